@@ -1,0 +1,27 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/mesh.h"
+#include "core/triangle_mesh.h"
+
+namespace fairway {
+
+/// Pointwise curvature per vertex, in 1/length (gaussian 1/length²), convex positive, k1 ≥ k2.
+/// `mean` = (k1 + k2)/2, `gaussian` = angle defect / mixed area (0 at boundary vertices),
+/// `predominant` = the k of larger magnitude, signed; `dir1`, `dir2` unit eigenvectors of k1, k2 in
+/// the tangent plane, sign free. Zero where a vertex has no usable face.
+struct CurvatureFields {
+  std::vector<double> k1, k2, mean, gaussian, predominant;
+  std::vector<Vec3> dir1, dir2;
+};
+
+/// Curvature of a surface at `positions` (one per surface vertex, relative to its origin):
+/// eigenvalues of the shape operator S(p), eq. (5), over the mixed Voronoi area.
+CurvatureFields curvature(const TriangleMesh& surface, std::span<const Vec3> positions);
+
+/// The same per source vertex (welded copies share values, isolated vertices get zeros).
+CurvatureFields scatter(const TriangleMesh& surface, const CurvatureFields& fields);
+
+}  // namespace fairway

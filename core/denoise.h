@@ -1,0 +1,58 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "core/flow_options.h"
+#include "core/mesh.h"
+#include "core/result.h"
+#include "core/triangle_mesh.h"
+
+namespace fairway {
+
+/// One step as it was done.
+struct FlowStep {
+  int step = 0;                ///< 1-based
+  int of = 0;                  ///< the most steps there can be
+  double feature_angle = 0.0;  ///< degrees; 0 for isotropic flows
+  double lambda = 0.0;         ///< length; 0 for isotropic flows
+  double displacement = 0.0;   ///< rms displacement along the start normals so far, in mean edges
+};
+
+/// What a run found, chose and did.
+struct FlowReport {
+  double mean_edge_length = 0.0;       ///< L, length, after unfolding
+  double noise = 0.0;                  ///< σ̂ / L at the start, after unfolding
+  double step_size = 0.0;              ///< τ as used
+  int unfold_rounds = 0;
+  std::vector<FlowStep> steps;
+  double volume_before = 0.0;          ///< signed, about the centroid; length³
+  double volume_after = 0.0;
+  double area_before = 0.0;            ///< length²
+  double area_after = 0.0;
+  double rms_displacement = 0.0;       ///< of all vertices, in mean edges
+  double max_displacement = 0.0;       ///< in mean edges
+  std::size_t flipped_faces = 0;       ///< faces turned by more than 90° against the input
+  std::vector<std::string> notes;
+};
+
+/// Positions per surface vertex, relative to the surface's origin, and the report.
+struct Denoised {
+  std::vector<Vec3> positions;
+  FlowReport report;
+};
+
+/// Called after every step, from the thread that runs denoise().
+using FlowObserver = std::function<void(const FlowStep&)>;
+
+/// Runs the flow of `options` on a surface. `steps` = 0 or method `none` return the input
+/// positions unchanged, and so does an automatic number of steps on a surface without noise.
+/// Deterministic. Errors: diverged (a position not finite or outside ten
+/// bounding boxes, with the step), canceled (stop requested; looked at between steps).
+Result<Denoised> denoise(const TriangleMesh& surface, const FlowOptions& options,
+                         const FlowObserver& observer = {}, std::stop_token stop = {});
+
+}  // namespace fairway

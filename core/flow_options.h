@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+
+namespace fairway {
+
+/// Which flow runs. `none` computes curvature only.
+enum class Method {
+  none,
+  mean_curvature,          ///< isotropic mean curvature flow, eq. (8) with w = 1
+  anisotropic,             ///< anisotropic mean curvature flow (AMC), eq. (7), (8)
+  prescribed,              ///< isotropic prescribed mean curvature flow, eq. (10)
+  anisotropic_prescribed,  ///< anisotropic prescribed mean curvature flow (PMC), eq. (11)
+};
+
+enum class Integration { explicit_euler };
+
+/// `free`: the formulas as they stand. `fixed`: boundary vertices do not move.
+enum class Boundary { free, fixed };
+
+/// `recommended`: feature vertices average over feature neighbours only. `paper`: the literal text.
+enum class Conventions { recommended, paper };
+
+/// Smoothing of the prescribed curvature: `passes` times f ← (1 − fraction) f + fraction · average
+/// of f over the neighbours.
+struct CurvatureSmoothing {
+  int passes = 1;
+  double fraction = 1.0;
+};
+
+/// Guards around the plain formulas; each can be switched off.
+struct Guards {
+  bool unfold = true;      ///< relax edges bent by more than 120° before the first step
+  int min_component = 12;  ///< smaller groups of strong edges (in vertices) are noise; 0 = off
+  bool local_step = true;  ///< per-vertex step min(s / M_pp, ½ / K_pp)
+};
+
+/// All choices of one flow run. An empty optional is an automatic choice.
+struct FlowOptions {
+  Method method = Method::anisotropic_prescribed;
+  Integration integration = Integration::explicit_euler;
+  std::optional<int> steps;             ///< automatic: until the noise found is removed
+  std::optional<double> step_size;      ///< τ, dimensionless: s = τ L²; automatic: 0.1
+  std::optional<double> feature_angle;  ///< degrees, λ = 2 L sin(angle / 2); automatic: per step
+  std::optional<double> lambda;         ///< length; takes the place of feature_angle
+  double transition = 10.0;             ///< r of the weight w_{λ,r}
+  CurvatureSmoothing curvature_smoothing;
+  Boundary boundary = Boundary::free;
+  Conventions conventions = Conventions::recommended;
+  Guards guards;
+};
+
+/// True for the methods that detect features, and so use λ.
+constexpr bool is_anisotropic(Method method) {
+  return method == Method::anisotropic || method == Method::anisotropic_prescribed;
+}
+
+/// True for the methods that prescribe a curvature.
+constexpr bool is_prescribed(Method method) {
+  return method == Method::prescribed || method == Method::anisotropic_prescribed;
+}
+
+}  // namespace fairway

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace fairway {
+
+/// The one index type for vertices, faces and edges.
+using Index = std::uint32_t;
+inline constexpr Index kNoIndex = ~Index{0};
+
+using Vec3 = Eigen::Vector3d;
+using Triangle = std::array<Index, 3>;
+
+/// A triangle list as a file has it: vertices may coincide, be unused, faces may be degenerate or
+/// repeated. Counter-clockwise seen from outside. Every index is < positions.size(): the reader
+/// that makes an IndexedMesh guarantees it, and that every position is finite.
+struct IndexedMesh {
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;
+};
+
+}  // namespace fairway

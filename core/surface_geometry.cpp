@@ -1,0 +1,125 @@
+// Normals, areas, masses, volume and angle defect of a triangle surface.
+// Sources: Hildebrandt & Polthier 2004 §2–3; Meyer et al. 2003 (mixed area).
+
+#include "core/surface_geometry.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+namespace fairway {
+namespace {
+
+/// Sums term(face, corner slot) over the faces at each vertex.
+template <class T, class Term>
+std::vector<T> sum_over_star(const TriangleMesh& mesh, const T& zero, const Term& term) {
+  std::vector<T> sums(mesh.vertex_count(), zero);
+  for (Index v = 0; v < sums.size(); ++v) {
+    for (const Index f : mesh.vertex_faces()[v]) {
+      const Triangle& face = mesh.faces()[f];
+      const unsigned slot = face[0] == v ? 0U : face[1] == v ? 1U : 2U;
+      sums[v] += term(f, slot);
+    }
+  }
+  return sums;
+}
+
+/// A corner's share of its face's area, by Meyer's rule.
+double mixed_share(const Vec3& p, const Vec3& q, const Vec3& r, double area) {
+  const double at_p = (q - p).dot(r - p);
+  const double at_q = (r - q).dot(p - q);
+  const double at_r = (p - r).dot(q - r);
+  if (at_p < 0.0) return area / 2.0;
+  if (at_q < 0.0 || at_r < 0.0) return area / 4.0;
+  const double twice = 2.0 * area;
+  return ((q - p).squaredNorm() * at_r + (r - p).squaredNorm() * at_q) / (8.0 * twice);
+}
+
+}  // namespace
+
+double mean_edge_length(const TriangleMesh& mesh, std::span<const Vec3> positions) {
+  double sum = 0.0;
+  for (const Edge& e : mesh.edges()) sum += (positions[e.q] - positions[e.p]).norm();
+  return sum / static_cast<double>(mesh.edges().size());
+}
+
+FaceGeometry face_geometry(const TriangleMesh& mesh, std::span<const Vec3> positions,
+                           double smallest_area) {
+  FaceGeometry out;
+  out.normals.resize(mesh.faces().size(), Vec3::Zero());
+  out.areas.resize(mesh.faces().size(), 0.0);
+  for (Index f = 0; f < mesh.faces().size(); ++f) {
+    const auto [a, b, c] = mesh.faces()[f];
+    const Vec3 cross = (positions[b] - positions[a]).cross(positions[c] - positions[a]);
+    const double twice_area = cross.norm();
+    if (!(twice_area > 2.0 * smallest_area)) continue;
+    out.areas[f] = 0.5 * twice_area;
+    out.normals[f] = cross / twice_area;
+  }
+  return out;
+}
+
+std::vector<double> lumped_mass(const TriangleMesh& mesh, const FaceGeometry& faces) {
+  return sum_over_star(mesh, 0.0,
+                       [&faces](Index f, unsigned /*slot*/) { return faces.areas[f] / 3.0; });
+}
+
+std::vector<double> mixed_area(const TriangleMesh& mesh, std::span<const Vec3> positions,
+                               const FaceGeometry& faces) {
+  return sum_over_star(mesh, 0.0, [&](Index f, unsigned slot) {
+    if (!faces.present(f)) return 0.0;
+    const Triangle& t = mesh.faces()[f];
+    return mixed_share(positions[t[slot]], positions[t[(slot + 1) % 3]],
+                       positions[t[(slot + 2) % 3]], faces.areas[f]);
+  });
+}
+
+std::vector<Vec3> vertex_normals(const TriangleMesh& mesh, const FaceGeometry& faces) {
+  std::vector<Vec3> normals = volume_gradient(mesh, faces);
+  for (Vec3& n : normals) {
+    const double length = n.norm();
+    if (length > 0.0) n /= length;
+  }
+  return normals;
+}
+
+std::vector<Vec3> volume_gradient(const TriangleMesh& mesh, const FaceGeometry& faces) {
+  return sum_over_star(mesh, Vec3(Vec3::Zero()), [&faces](Index f, unsigned /*slot*/) {
+    return Vec3(faces.areas[f] / 3.0 * faces.normals[f]);
+  });
+}
+
+std::vector<double> angle_defect(const TriangleMesh& mesh, std::span<const Vec3> positions,
+                                 const FaceGeometry& faces) {
+  std::vector<double> defect = sum_over_star(mesh, 0.0, [&](Index f, unsigned slot) {
+    if (!faces.present(f)) return 0.0;
+    const Triangle& t = mesh.faces()[f];
+    return -angle_at(positions[t[slot]], positions[t[(slot + 1) % 3]], positions[t[(slot + 2) % 3]]);
+  });
+  for (std::size_t v = 0; v < defect.size(); ++v) {
+    defect[v] += (mesh.boundary_vertex()[v] != 0 ? 1.0 : 2.0) * std::numbers::pi;
+  }
+  return defect;
+}
+
+double surface_area(const FaceGeometry& faces) {
+  double sum = 0.0;
+  for (const double a : faces.areas) sum += a;
+  return sum;
+}
+
+double enclosed_volume(const TriangleMesh& mesh, std::span<const Vec3> positions) {
+  double six = 0.0;
+  for (const auto& [a, b, c] : mesh.faces()) {
+    six += positions[a].dot(positions[b].cross(positions[c]));
+  }
+  return six / 6.0;
+}
+
+double angle_at(const Vec3& at, const Vec3& a, const Vec3& b) {
+  const Vec3 u = a - at;
+  const Vec3 v = b - at;
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+}  // namespace fairway

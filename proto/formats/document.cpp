@@ -1,0 +1,52 @@
+// Untrusted bytes into a Document.
+
+#include "proto/formats/document.h"
+
+#include <cmath>
+
+#include "proto/formats/draco_document.h"
+#include "proto/formats/gltf_document.h"
+
+namespace fairway {
+namespace {
+
+/// Smallest extent of a surface in steps of single precision at its distance from the origin.
+constexpr double kLeastSteps = 16.0;
+
+/// The files here hold single precision: far from the origin a small mesh collapses in it, and no
+/// flow could write anything better back.
+bool collapses_in_floats(const IndexedMesh& mesh) {
+  Vec3 low = mesh.positions.front();
+  Vec3 high = low;
+  for (const Vec3& position : mesh.positions) {
+    low = low.cwiseMin(position);
+    high = high.cwiseMax(position);
+  }
+  const double farthest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  const double extent = (high - low).norm();
+  // A mesh that is one point has no triangles either, which is another answer.
+  return extent > 0.0 && extent < kLeastSteps * std::ldexp(farthest, -23);
+}
+
+Result<std::unique_ptr<Document>> decode_format(std::span<const std::byte> bytes, Format format) {
+  if (format == Format::drc) return decode_drc(bytes);
+  return decode_gltf(bytes, format);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Document>> decode(std::span<const std::byte> bytes, Format format) {
+  auto document = decode_format(bytes, format);
+  if (!document) return document;
+  for (const Surface& surface : (*document)->surfaces()) {
+    if (collapses_in_floats(surface.mesh)) {
+      return Error{ErrorCode::invalid_mesh,
+                   "A mesh is so small and so far from the origin that single precision cannot "
+                   "tell its vertices apart; move it to the origin first.",
+                   format == Format::drc ? "" : "/" + surface.name};
+    }
+  }
+  return document;
+}
+
+}  // namespace fairway

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/mesh.h"
+#include "core/result.h"
+#include "proto/messages/format.h"
+
+namespace fairway {
+
+/// One surface of a document in its local space: a Draco mesh, or all triangle primitives of one
+/// glTF mesh together. Vertices are those of the distinct POSITION accessors, one after the other.
+struct Surface {
+  std::string name;  ///< "meshes/0" …: a place in the document, never text from the file
+  IndexedMesh mesh;
+  /// Old normals, one per vertex, zero where the file has none; empty if it has none at all.
+  std::vector<Vec3> normals;
+};
+
+/// A per-vertex attribute to add. `values` has `components` floats (1 or 3) per vertex, all finite.
+struct VertexAttribute {
+  std::string name;
+  int components = 1;
+  std::vector<float> values;
+};
+
+/// What became of one Surface.
+struct SurfaceResult {
+  bool moved = false;           ///< false: positions and normals of the file stay as they are
+  std::vector<Vec3> positions;  ///< one per vertex of Surface::mesh, if moved
+  std::vector<Vec3> normals;    ///< the same, if moved and the surface has normals
+  std::vector<VertexAttribute> attributes;
+};
+
+/// A decoded file: its surfaces, and all that is needed to write it back with nothing else changed.
+class Document {
+ public:
+  virtual ~Document() = default;
+
+  const std::vector<Surface>& surfaces() const { return surfaces_; }
+  /// Sentences for the job's notes ("skinned: the bind pose is denoised").
+  const std::vector<std::string>& notes() const { return notes_; }
+
+  /// The file with `results` (one per surface, in order) in place, as `format`.
+  /// Errors: unsupported_feature (a format this document cannot become), too_large.
+  virtual Result<std::vector<std::byte>> encode(std::span<const SurfaceResult> results,
+                                                Format format) const = 0;
+
+ protected:
+  std::vector<Surface> surfaces_;
+  std::vector<std::string> notes_;
+};
+
+/// Decodes untrusted bytes; every count is checked before it is believed. `bytes` must outlive the
+/// Document, which refers to them. Opens no file and no network address.
+/// Errors: malformed_input, unsupported_format, unsupported_feature, invalid_mesh, no_triangles,
+/// too_large; JSON pointers name the culprit in a glTF.
+Result<std::unique_ptr<Document>> decode(std::span<const std::byte> bytes, Format format);
+
+}  // namespace fairway

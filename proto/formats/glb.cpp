@@ -1,0 +1,119 @@
+// The GLB container. Source: glTF 2.0 section 4.
+
+#include "proto/formats/glb.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace fairway {
+namespace {
+
+constexpr std::uint32_t kMagic = 0x46546C67;
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
+constexpr std::uint32_t kBinChunk = 0x004E4942;
+constexpr std::size_t kHeaderSize = 12;
+constexpr std::size_t kChunkHeaderSize = 8;
+
+Error malformed(std::string_view what) {
+  return {ErrorCode::malformed_input, fmt::format("The GLB {}; send the whole file.", what)};
+}
+
+struct Chunk {
+  std::uint32_t type = 0;
+  ByteSpan whole;
+  ByteSpan data;
+};
+
+/// The chunk at the front of `rest`, which is not empty.
+Result<Chunk> first_chunk(ByteSpan rest) {
+  ByteReader reader(rest);
+  const auto length = reader.read<std::uint32_t>();
+  const auto type = reader.read<std::uint32_t>();
+  if (!length || !type) return malformed("ends inside a chunk header");
+  const auto data = reader.take(*length);
+  if (!data) return malformed("has a chunk that is longer than the file");
+  return Chunk{*type, rest.first(kChunkHeaderSize + data->size()), *data};
+}
+
+Result<ByteSpan> check_header(ByteSpan bytes) {
+  ByteReader reader(bytes);
+  const auto magic = reader.read<std::uint32_t>();
+  if (!magic) return malformed("ends inside its magic");
+  if (*magic != kMagic) {
+    return Error{ErrorCode::unsupported_format, "These bytes are not a GLB; send GLB or glTF."};
+  }
+  const auto version = reader.read<std::uint32_t>();
+  const auto length = reader.read<std::uint32_t>();
+  if (!version || !length) return malformed("ends inside its header");
+  if (*version != 2) {
+    return Error{ErrorCode::unsupported_format,
+                 fmt::format("This is GLB version {}; convert it to version 2.", *version)};
+  }
+  if (*length > bytes.size()) return malformed("is shorter than its header says");
+  if (*length < bytes.size()) return malformed("has bytes after the end that its header states");
+  return bytes.subspan(kHeaderSize);
+}
+
+/// Some writers pad the JSON chunk with zeros.
+std::string_view without_padding(std::string_view json) {
+  const std::size_t end = json.find_last_not_of('\0');
+  return json.substr(0, end == std::string_view::npos ? 0 : end + 1);
+}
+
+void append_chunk(std::uint32_t type, ByteSpan data, std::byte fill, std::vector<std::byte>& out) {
+  const std::size_t padded = (data.size() + 3) / 4 * 4;
+  append_value(out, static_cast<std::uint32_t>(padded));
+  append_value(out, type);
+  append(out, data);
+  align_to_four(out, fill);
+}
+
+}  // namespace
+
+Result<GlbParts> parse_glb(ByteSpan bytes) {
+  auto rest = check_header(bytes);
+  if (!rest) return rest.error();
+  if (rest->empty()) return malformed("has no JSON chunk");
+  const auto json = first_chunk(*rest);
+  if (!json) return json.error();
+  if (json->type != kJsonChunk) return malformed("does not start with a JSON chunk");
+  GlbParts parts;
+  parts.json = without_padding(as_text(json->data));
+  ByteSpan after = rest->subspan(json->whole.size());
+  parts.other_chunks = after;
+  while (!after.empty()) {
+    const auto chunk = first_chunk(after);
+    if (!chunk) return chunk.error();
+    after = after.subspan(chunk->whole.size());
+    // BIN is the second chunk or there is none.
+    if (chunk->type == kBinChunk && chunk->whole.data() == parts.other_chunks.data()) {
+      parts.bin = chunk->data;
+      parts.other_chunks = after;
+    }
+  }
+  return parts;
+}
+
+Result<std::vector<std::byte>> build_glb(const GlbParts& parts) {
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  const std::uint64_t bin_size = parts.bin ? parts.bin->size() + kChunkHeaderSize + 3 : 0;
+  const std::uint64_t size =
+      kHeaderSize + kChunkHeaderSize + parts.json.size() + 3 + bin_size + parts.other_chunks.size();
+  if (size > kMost) {
+    return Error{ErrorCode::too_large, "The result does not fit in a GLB of 4 GiB."};
+  }
+  std::vector<std::byte> out;
+  out.reserve(static_cast<std::size_t>(size));
+  append_value(out, kMagic);
+  append_value(out, std::uint32_t{2});
+  append_value(out, std::uint32_t{0});
+  append_chunk(kJsonChunk, as_bytes(parts.json), std::byte{' '}, out);
+  if (parts.bin) append_chunk(kBinChunk, *parts.bin, std::byte{0}, out);
+  append(out, parts.other_chunks);
+  const auto total = static_cast<std::uint32_t>(out.size());
+  std::memcpy(out.data() + 2 * sizeof total, &total, sizeof total);
+  return out;
+}
+
+}  // namespace fairway

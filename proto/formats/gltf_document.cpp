@@ -1,0 +1,79 @@
+// A glTF as a Document: bytes → DOM → tables → surfaces, and back by patching the DOM.
+
+#include "proto/formats/gltf_document.h"
+
+#include "proto/formats/glb.h"
+#include "proto/formats/gltf_extensions.h"
+#include "proto/formats/gltf_patch.h"
+#include "proto/formats/gltf_scene.h"
+#include "proto/formats/gltf_surfaces.h"
+
+namespace fairway {
+namespace {
+
+class GltfDocument final : public Document {
+ public:
+  GltfDocument(Json json, GltfTables tables, GltfSurfaces surfaces, const GltfBinary& binary)
+      : json_(std::move(json)),
+        tables_(std::move(tables)),
+        layout_(std::move(surfaces.layout)),
+        binary_(binary) {
+    surfaces_ = std::move(surfaces.surfaces);
+    notes_ = std::move(surfaces.notes);
+  }
+
+  Result<std::vector<std::byte>> encode(std::span<const SurfaceResult> results,
+                                        Format format) const override {
+    if (format == Format::drc) {
+      return Error{ErrorCode::unsupported_feature,
+                   "A glTF cannot be written as .drc yet; ask for glb."};
+    }
+    GltfOutput output(json_, binary_, format);
+    if (const auto done = patch_surfaces(tables_, layout_, surfaces_, results, output); !done) {
+      return done.error();
+    }
+    return output.finish();
+  }
+
+ private:
+  Json json_;
+  GltfTables tables_;
+  GltfLayout layout_;
+  GltfBinary binary_;
+};
+
+/// The text of a .gltf, without the byte order mark that some writers put before it.
+Result<GlbParts> take_apart(ByteSpan bytes, Format format) {
+  if (format == Format::glb) return parse_glb(bytes);
+  if (bytes.empty()) {
+    return Error{ErrorCode::malformed_input, "The file is empty; send the whole file."};
+  }
+  GlbParts parts;
+  parts.json = as_text(bytes);
+  return parts;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Document>> decode_gltf(ByteSpan bytes, Format format) {
+  const auto parts = take_apart(bytes, format);
+  if (!parts) return parts.error();
+  auto json = parse_json(parts->json);
+  if (!json) return json.error();
+  const JsonPlace root(*json, "");
+  if (const auto done = check_scene(root); !done) return done.error();
+  if (const auto done = check_extensions(root); !done) return done.error();
+  auto tables = read_tables(root, parts->bin, bytes.size());
+  if (!tables) return tables.error();
+  auto surfaces = gather_surfaces(root, *tables);
+  if (!surfaces) return surfaces.error();
+  GltfBinary binary;
+  binary.is_glb = format == Format::glb;
+  binary.bin = parts->bin;
+  binary.other_chunks = parts->other_chunks;
+  if (!tables->buffers.empty()) binary.first_buffer = tables->buffers.front().data;
+  return std::unique_ptr<Document>(std::make_unique<GltfDocument>(
+      *std::move(json), *std::move(tables), *std::move(surfaces), binary));
+}
+
+}  // namespace fairway

@@ -1,0 +1,141 @@
+// Writing a glTF by adding to it. Source: glTF 2.0 sections 3.6 and 4.4.
+
+#include "proto/formats/gltf_output.h"
+
+#include "proto/formats/base64.h"
+#include "proto/formats/glb.h"
+
+namespace fairway {
+namespace {
+
+bool has_uri(const Json& json, std::size_t buffer) {
+  const auto buffers = json.find("buffers");
+  return buffers != json.end() && buffer < buffers->size() && (*buffers)[buffer].contains("uri");
+}
+
+/// buffers[0] is, or becomes, the BIN chunk of the output, or the data URI that BIN turns into.
+bool extends_first_buffer(const Json& json, const GltfBinary& binary, Format format) {
+  if (!binary.first_buffer) return false;
+  const bool is_bin = binary.is_glb && binary.bin && !has_uri(json, 0);
+  return is_bin || (!binary.is_glb && format == Format::glb);
+}
+
+Json bounds_of(const std::vector<double>& values, ComponentType type) {
+  Json out = Json::array();
+  for (const double value : values) {
+    if (type == ComponentType::f32) {
+      out.push_back(value);
+    } else {
+      out.push_back(static_cast<std::int64_t>(value));
+    }
+  }
+  return out;
+}
+
+void describe(const PackedValues& values, std::size_t view, bool bounds, Json& accessor) {
+  accessor["bufferView"] = view;
+  accessor.erase("byteOffset");
+  accessor.erase("sparse");
+  accessor["componentType"] = static_cast<unsigned>(values.type);
+  accessor.erase("normalized");
+  if (values.normalized) accessor["normalized"] = true;
+  accessor["count"] = values.count;
+  accessor["type"] = vector_type_name(values.components);
+  accessor.erase("min");
+  accessor.erase("max");
+  if (!bounds) return;
+  accessor["min"] = bounds_of(values.min, values.type);
+  accessor["max"] = bounds_of(values.max, values.type);
+}
+
+}  // namespace
+
+GltfOutput::GltfOutput(const Json& json, const GltfBinary& binary, Format format)
+    : json_(json),
+      binary_(binary),
+      format_(format),
+      extends_first_(extends_first_buffer(json, binary, format)) {
+  if (extends_first_) {
+    const std::size_t size = binary.is_glb ? binary.bin->size() : binary.first_buffer->size();
+    base_ = (size + 3) / 4 * 4;
+  } else {
+    const auto buffers = json_.find("buffers");
+    buffer_ = buffers == json_.end() ? 0 : buffers->size();
+  }
+}
+
+std::size_t GltfOutput::add_view(const PackedValues& values, ViewTarget target) {
+  align_to_four(added_);
+  Json view = Json::object();
+  view["buffer"] = buffer_;
+  view["byteOffset"] = base_ + added_.size();
+  view["byteLength"] = values.bytes.size();
+  if (!values.is_tight()) view["byteStride"] = values.stride;
+  view["target"] = static_cast<unsigned>(target);
+  append(added_, values.bytes);
+  Json& views = array_of(json_, "bufferViews");
+  views.push_back(std::move(view));
+  return views.size() - 1;
+}
+
+std::size_t GltfOutput::add_accessor(const PackedValues& values, ViewTarget target, bool bounds) {
+  Json accessor = Json::object();
+  describe(values, add_view(values, target), bounds, accessor);
+  Json& accessors = array_of(json_, "accessors");
+  accessors.push_back(std::move(accessor));
+  return accessors.size() - 1;
+}
+
+void GltfOutput::fill_accessor(std::size_t index, const PackedValues& values, ViewTarget target,
+                               bool bounds) {
+  const std::size_t view = add_view(values, target);
+  describe(values, view, bounds, json_["accessors"][index]);
+}
+
+/// Makes `bin` the whole of buffers[0], old bytes and new ones.
+void GltfOutput::close_first_buffer(std::vector<std::byte>& bin) {
+  Json& buffer = json_["buffers"][0];
+  append(bin, binary_.is_glb ? *binary_.bin : *binary_.first_buffer);
+  if (!added_.empty()) {
+    bin.resize(static_cast<std::size_t>(base_));
+    append(bin, added_);
+    buffer["byteLength"] = bin.size();
+  }
+  if (format_ == Format::glb) {
+    buffer.erase("uri");
+  } else {
+    // BIN may be padded beyond the buffer it holds.
+    const std::size_t length = added_.empty() ? binary_.first_buffer->size() : bin.size();
+    buffer["uri"] = make_data_uri(ByteSpan(bin).first(length));
+  }
+}
+
+void GltfOutput::close_new_buffer() {
+  if (added_.empty()) return;
+  Json buffer = Json::object();
+  buffer["byteLength"] = added_.size();
+  buffer["uri"] = make_data_uri(added_);
+  array_of(json_, "buffers").push_back(std::move(buffer));
+}
+
+Result<std::vector<std::byte>> GltfOutput::finish() {
+  std::vector<std::byte> bin;
+  GlbParts parts;
+  if (extends_first_) {
+    close_first_buffer(bin);
+    parts.bin = bin;
+  } else {
+    close_new_buffer();
+    parts.bin = binary_.bin;
+  }
+  const std::string text = dump_json(json_);
+  if (format_ == Format::glb) {
+    parts.json = text;
+    parts.other_chunks = binary_.other_chunks;
+    return build_glb(parts);
+  }
+  const ByteSpan bytes = as_bytes(text);
+  return std::vector<std::byte>(bytes.begin(), bytes.end());
+}
+
+}  // namespace fairway

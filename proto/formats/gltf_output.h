@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/result.h"
+#include "proto/formats/bytes.h"
+#include "proto/formats/json_fields.h"
+#include "proto/formats/packed_values.h"
+#include "proto/messages/format.h"
+
+namespace fairway {
+
+/// The binary side of a glTF as it came.
+struct GltfBinary {
+  bool is_glb = false;
+  std::optional<ByteSpan> bin;           ///< the BIN chunk
+  std::optional<ByteSpan> first_buffer;  ///< the data of buffers[0], wherever it stands
+  ByteSpan other_chunks;
+};
+
+/// What an appended view is for; the numbers of glTF.
+enum class ViewTarget { vertices = 34962, indices = 34963 };
+
+/// A copy of a glTF that can be added to. Bytes that are there stay where they are; new ones go
+/// behind them: to the end of the BIN chunk, or into a new buffer.
+class GltfOutput {
+ public:
+  /// `binary` must outlive the output.
+  GltfOutput(const Json& json, const GltfBinary& binary, Format format);
+
+  Json& json() { return json_; }
+
+  /// Appends the values with a view of their own and describes them in a new accessor, which this
+  /// returns. `bounds` writes min and max.
+  std::size_t add_accessor(const PackedValues& values, ViewTarget target, bool bounds);
+
+  /// The same for an accessor that is there: its name, extras and extensions stay.
+  void fill_accessor(std::size_t index, const PackedValues& values, ViewTarget target, bool bounds);
+
+  /// The file. Error: too_large.
+  Result<std::vector<std::byte>> finish();
+
+ private:
+  std::size_t add_view(const PackedValues& values, ViewTarget target);
+  void close_first_buffer(std::vector<std::byte>& bin);
+  void close_new_buffer();
+
+  Json json_;
+  const GltfBinary& binary_;
+  Format format_;
+  bool extends_first_ = false;  ///< new bytes go behind buffers[0]
+  std::size_t buffer_ = 0;      ///< that new views name
+  std::uint64_t base_ = 0;      ///< where the new bytes start in it
+  std::vector<std::byte> added_;
+};
+
+}  // namespace fairway

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+
+#include "core/result.h"
+#include "proto/formats/document.h"
+#include "proto/formats/gltf_output.h"
+#include "proto/formats/gltf_surfaces.h"
+
+namespace fairway {
+
+/// Puts the results of all surfaces into a copy of their document: new accessors are appended, the
+/// triangle primitives point to them, everything else stays. Draco primitives become plain. Errors:
+/// diverged (a position no float holds), internal (results that do not fit their surfaces).
+/// `surfaces` are those that `layout` describes, `results` what became of them.
+Result<void> patch_surfaces(const GltfTables& tables, const GltfLayout& layout,
+                            std::span<const Surface> surfaces,
+                            std::span<const SurfaceResult> results, GltfOutput& output);
+
+}  // namespace fairway

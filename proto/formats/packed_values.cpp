@@ -1,0 +1,89 @@
+// Values on their way into a buffer. Source: glTF 2.0 section 3.6.2.4 (alignment), 3.6.2.5
+// (bounds).
+
+#include "proto/formats/packed_values.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "proto/formats/bytes.h"
+
+namespace fairway {
+namespace {
+
+/// Appends elements one after the other and keeps their bounds.
+class Packer {
+ public:
+  Packer(const Packing& packing, std::size_t count, bool aligned) {
+    out_.type = packing.type;
+    out_.normalized = packing.normalized;
+    out_.components = packing.components;
+    out_.count = count;
+    const auto components = static_cast<std::size_t>(packing.components);
+    const std::size_t tight = size_of(packing.type) * components;
+    out_.stride = aligned ? (tight + 3) / 4 * 4 : tight;
+    out_.bytes.reserve(count * out_.stride);
+    out_.min.assign(components, std::numeric_limits<double>::infinity());
+    out_.max.assign(components, -std::numeric_limits<double>::infinity());
+  }
+
+  void add(double value) {
+    const double stored =
+        out_.type == ComponentType::f32 ? static_cast<double>(static_cast<float>(value)) : value;
+    append_component(out_.type, stored, out_.bytes);
+    out_.min[component_] = std::min(out_.min[component_], stored);
+    out_.max[component_] = std::max(out_.max[component_], stored);
+    if (++component_ == out_.min.size()) {
+      component_ = 0;
+      out_.bytes.resize(++elements_ * out_.stride);
+    }
+  }
+
+  PackedValues take() { return std::move(out_); }
+
+ private:
+  PackedValues out_;
+  std::size_t component_ = 0;
+  std::size_t elements_ = 0;
+};
+
+ComponentType index_type(Index vertex_count, ComponentType least) {
+  const std::uint64_t highest = vertex_count;
+  if (least == ComponentType::u8 && highest <= 0xFF) return ComponentType::u8;
+  if (least != ComponentType::u32 && highest <= 0xFFFF) return ComponentType::u16;
+  return ComponentType::u32;
+}
+
+}  // namespace
+
+PackedValues pack_values(std::span<const double> values, const Packing& packing) {
+  Packer packer(packing, values.size() / static_cast<std::size_t>(packing.components), true);
+  for (const double value : values) packer.add(value);
+  return packer.take();
+}
+
+PackedValues pack_floats(std::span<const float> values, int components) {
+  const Packing packing{ComponentType::f32, false, components};
+  Packer packer(packing, values.size() / static_cast<std::size_t>(components), true);
+  for (const float value : values) packer.add(static_cast<double>(value));
+  return packer.take();
+}
+
+PackedValues pack_vectors(std::span<const Vec3> vectors) {
+  Packer packer({ComponentType::f32, false, 3}, vectors.size(), true);
+  for (const Vec3& vector : vectors) {
+    for (int c = 0; c < 3; ++c) packer.add(vector[c]);
+  }
+  return packer.take();
+}
+
+PackedValues pack_triangles(std::span<const Triangle> triangles, Index vertex_count,
+                            ComponentType least) {
+  Packer packer({index_type(vertex_count, least), false, 1}, triangles.size() * 3, false);
+  for (const Triangle& triangle : triangles) {
+    for (const Index index : triangle) packer.add(static_cast<double>(index));
+  }
+  return packer.take();
+}
+
+}  // namespace fairway

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/flow_options.h"
+#include "core/result.h"
+#include "proto/messages/format.h"
+#include "proto/messages/json.h"
+
+namespace fairway {
+
+/// The per-vertex attributes that can be asked for, in the order they are written.
+enum class CurvatureKind { k1, k2, mean, gaussian, predominant, dir1, dir2 };
+
+/// "_CURVATURE_K1" …
+std::string_view attribute_name(CurvatureKind kind);
+
+/// A whole request: the flow, the attributes, the output.
+struct Parameters {
+  FlowOptions flow;
+  std::vector<CurvatureKind> curvature = {CurvatureKind::k1,          CurvatureKind::k2,
+                                          CurvatureKind::mean,        CurvatureKind::gaussian,
+                                          CurvatureKind::predominant, CurvatureKind::dir1,
+                                          CurvatureKind::dir2};
+  std::optional<Format> output;  ///< automatic: the format that came (GLB for Draco)
+};
+
+/// Parses and checks a parameter document; empty text and {} are all automatic choices.
+/// Errors: malformed_parameters (not JSON), invalid_parameters, with the pointer of the culprit.
+Result<Parameters> parse_parameters(std::string_view text);
+
+/// The document that parse_parameters() reads back as the same parameters, every key stated.
+Json parameters_document(const Parameters& parameters);
+
+}  // namespace fairway

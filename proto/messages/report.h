@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/denoise.h"
+#include "core/triangle_mesh.h"
+#include "proto/messages/json.h"
+
+namespace fairway {
+
+/// What happened to one surface of a document.
+struct SurfaceReport {
+  std::string name;
+  SurfaceCounts counts;
+  std::size_t vertices = 0;       ///< surface vertices, after welding and splitting
+  std::size_t faces = 0;
+  std::size_t components = 0;
+  std::size_t boundary_loops = 0;
+  FlowReport flow;
+};
+
+/// Everything a job has to tell.
+struct JobReport {
+  std::vector<SurfaceReport> surfaces;
+  std::vector<std::string> notes;
+};
+
+/// The `report` of the job document: {"surfaces": […], "notes": […]}. Lengths in the mesh's local
+/// units; volume and area changes are relative.
+Json report_document(const JobReport& report);
+
+}  // namespace fairway

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/result.h"
+
+namespace fairway {
+
+// The verbs of the tool. Each prints what it did; an Error is printed by main, which exits with the
+// code of its problem.
+
+/// `fairway denoise IN OUT`.
+struct DenoiseCommand {
+  std::string input;
+  std::string output;      ///< its extension chooses the format
+  std::string parameters;  ///< JSON text, or the name of a file that holds it
+  bool quiet = false;
+};
+Result<void> run(const DenoiseCommand& command);
+
+/// `fairway sample SHAPE OUT.glb`.
+struct SampleCommand {
+  std::string shape;
+  std::string output;
+  std::optional<std::string> clean;  ///< where to write the same mesh without noise
+  std::uint32_t size = 0;            ///< resolution; 0 = the shape's default
+  double noise = 0.2;                ///< standard deviation in mean edge lengths
+  std::uint64_t seed = 1;
+};
+Result<void> run(const SampleCommand& command);
+
+/// `fairway compare REFERENCE MESH`.
+struct CompareCommand {
+  std::string reference;
+  std::string mesh;
+};
+Result<void> run(const CompareCommand& command);
+
+/// `fairway worker`: one job of fairwayd, see proto/messages/worker_protocol.h. Returns the exit code.
+struct WorkerCommand {
+  std::uint64_t address_space = 0;  ///< bytes; 0 = no limit
+  std::uint64_t cpu_seconds = 0;    ///< 0 = no limit
+};
+int run(const WorkerCommand& command);
+
+}  // namespace fairway

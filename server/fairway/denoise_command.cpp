@@ -1,0 +1,94 @@
+// `fairway denoise`: the pipeline by hand, with a progress bar on a terminal.
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "proto/messages/parameters.h"
+#include "server/fairway/commands.h"
+#include "server/fairway/input_file.h"
+#include "server/fairway/pipeline.h"
+
+namespace fairway {
+namespace {
+
+Result<Parameters> read_parameters(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos || text[first] == '{') return parse_parameters(text);
+  const Result<InputFile> file = InputFile::open(text);
+  if (!file) return file.error();
+  const auto bytes = file->bytes();
+  return parse_parameters({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+/// The output format that parameters and file name agree on.
+Result<void> choose_output(const std::string& file_name, Parameters& parameters) {
+  const std::optional<Format> named = format_of_file_name(file_name);
+  if (!named) {
+    return Error{ErrorCode::usage,
+                 fmt::format("The extension of {} names no format; use .glb or .gltf.", file_name)};
+  }
+  if (parameters.output && *parameters.output != *named) {
+    return Error{ErrorCode::usage, fmt::format("The parameters ask for {}, the file name for {}.",
+                                               name_of(*parameters.output), name_of(*named))};
+  }
+  parameters.output = named;
+  return {};
+}
+
+void draw_bar(const Progress& progress) {
+  constexpr int kWidth = 30;
+  const int filled = static_cast<int>(std::lround(progress.fraction * kWidth));
+  std::string bar(static_cast<std::size_t>(filled), '#');
+  bar.resize(kWidth, '.');
+  const std::string steps =
+      progress.of > 0 ? fmt::format(" {}/{}", progress.step, progress.of) : std::string();
+  fmt::print(stderr, "\r[{}] {:3.0f} %  {}{}\033[K", bar, 100.0 * progress.fraction,
+             progress.stage, steps);
+  std::fflush(stderr);
+}
+
+void print_report(const JobReport& report) {
+  for (const SurfaceReport& surface : report.surfaces) {
+    const FlowReport& flow = surface.flow;
+    fmt::print("{}: {} vertices, {} faces, noise about {:.3f} mean edge lengths\n", surface.name,
+               surface.vertices, surface.faces, flow.noise);
+    if (!flow.steps.empty()) {
+      fmt::print("  {} steps of {:.3g}, feature angle {:.1f} degrees, moved {:.3f} mean edges (rms)\n",
+                 flow.steps.size(), flow.step_size, flow.steps.back().feature_angle,
+                 flow.rms_displacement);
+    }
+    if (surface.boundary_loops == 0 && flow.volume_before != 0.0) {
+      fmt::print("  volume {:+.3f} %\n", 100.0 * (flow.volume_after / flow.volume_before - 1.0));
+    }
+    for (const std::string& note : flow.notes) fmt::print("  {}\n", note);
+  }
+  for (const std::string& note : report.notes) fmt::print("{}\n", note);
+}
+
+}  // namespace
+
+Result<void> run(const DenoiseCommand& command) {
+  Result<Parameters> parameters = read_parameters(command.parameters);
+  if (!parameters) return parameters.error();
+  if (Result<void> chosen = choose_output(command.output, *parameters); !chosen) return chosen;
+  const Result<InputFile> input = InputFile::open(command.input);
+  if (!input) return input.error();
+  const auto head = input->bytes().first(std::min(input->bytes().size(), kMagicBytes));
+  const Result<Format> format = recognise_format(head, "", command.input);
+  if (!format) return format.error();
+
+  const bool bar = !command.quiet && isatty(STDERR_FILENO) != 0;
+  const Result<PipelineOutput> output = run_pipeline(
+      input->bytes(), *format, *parameters, bar ? ProgressObserver(draw_bar) : ProgressObserver(),
+      {});
+  if (bar) fmt::print(stderr, "\r\033[K");
+  if (!output) return output.error();
+  if (Result<void> written = write_file(command.output, output->bytes); !written) return written;
+  if (!command.quiet) print_report(output->report);
+  return {};
+}
+
+}  // namespace fairway

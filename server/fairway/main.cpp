@@ -1,0 +1,109 @@
+// The tool: denoise a file by hand, make and compare samples, work for fairwayd.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <functional>
+
+#include "proto/messages/problem.h"
+#include "server/fairway/commands.h"
+
+namespace fairway {
+namespace {
+
+/// The whole command line. Each verb sets what is to be done.
+class Tool {
+ public:
+  Tool() {
+    app_.require_subcommand(1);
+    app_.set_version_flag("--version", std::string("fairway ") + FAIRWAY_VERSION);
+    add_denoise();
+    add_sample();
+    add_compare();
+    add_worker();
+  }
+
+  int run(int argc, char** argv) {
+    try {
+      app_.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+      const int code = app_.exit(e, std::cout, std::cerr);
+      return code == 0 ? 0 : problem_kind(ErrorCode::usage).exit_code;
+    }
+    return verb_();
+  }
+
+ private:
+  /// Runs a command and says what went wrong, if anything did.
+  template <class Command>
+  std::function<void()> choose(const Command& command) {
+    return [this, &command] {
+      verb_ = [&command] {
+        const Result<void> done = fairway::run(command);
+        if (done) return 0;
+        const ProblemKind& kind = problem_kind(done.error().code);
+        const std::string where =
+            done.error().pointer.empty() ? "" : fmt::format(" (at {})", done.error().pointer);
+        fmt::print(stderr, "fairway: {}: {}{}\n", kind.title, done.error().message, where);
+        return kind.exit_code;
+      };
+    };
+  }
+
+  void add_denoise() {
+    CLI::App* verb = app_.add_subcommand("denoise", "Remove noise from a mesh and add curvature");
+    verb->add_option("IN", denoise_.input, "GLB, self-contained glTF or Draco file")->required();
+    verb->add_option("OUT", denoise_.output, "Result; the extension chooses .glb or .gltf")->required();
+    verb->add_option("--params", denoise_.parameters, "Parameters: JSON text or a file that holds it");
+    verb->add_flag("--quiet,-q", denoise_.quiet, "Print errors only");
+    verb->callback(choose(denoise_));
+  }
+
+  void add_sample() {
+    CLI::App* verb = app_.add_subcommand("sample", "Make a noisy mesh to try things on");
+    verb->add_option("SHAPE", sample_.shape, "ring, sphere, octahedron, torus or sheet")->required();
+    verb->add_option("OUT", sample_.output, "GLB file to write")->required();
+    verb->add_option("--clean", sample_.clean, "Also write the mesh without noise to this GLB file");
+    verb->add_option("--size", sample_.size, "Resolution; every shape has a default");
+    verb->add_option("--noise", sample_.noise, "Standard deviation in mean edge lengths")
+        ->check(CLI::Range(0.0, 10.0))
+        ->capture_default_str();
+    verb->add_option("--seed", sample_.seed, "Seed of the noise")->capture_default_str();
+    verb->callback(choose(sample_));
+  }
+
+  void add_compare() {
+    CLI::App* verb = app_.add_subcommand("compare", "Mean angle between the face normals of two meshes");
+    verb->add_option("REFERENCE", compare_.reference, "The clean mesh")->required();
+    verb->add_option("MESH", compare_.mesh, "A mesh with the same triangles")->required();
+    verb->callback(choose(compare_));
+  }
+
+  void add_worker() {
+    CLI::App* verb = app_.add_subcommand("worker", "One job of fairwayd; not for people");
+    verb->add_option("--address-space", worker_.address_space, "Limit in bytes; 0 = none");
+    verb->add_option("--cpu-seconds", worker_.cpu_seconds, "Limit in seconds; 0 = none");
+    verb->callback([this] { verb_ = [this] { return fairway::run(worker_); }; });
+  }
+
+  CLI::App app_{"fairway: mesh denoising by anisotropic curvature flows", "fairway"};
+  DenoiseCommand denoise_;
+  SampleCommand sample_;
+  CompareCommand compare_;
+  WorkerCommand worker_;
+  std::function<int()> verb_;
+};
+
+}  // namespace
+}  // namespace fairway
+
+int main(int argc, char** argv) {
+  try {
+    return fairway::Tool().run(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "fairway: %s\n", e.what());
+    return fairway::problem_kind(fairway::ErrorCode::internal).exit_code;
+  }
+}

@@ -1,0 +1,206 @@
+// The pipeline that `fairway denoise` and `fairway worker` run.
+
+#include "server/fairway/pipeline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "core/curvature.h"
+#include "core/denoise.h"
+#include "core/halfedge.h"
+#include "core/normals.h"
+#include "core/triangle_mesh.h"
+#include "proto/formats/document.h"
+
+namespace fairway {
+namespace {
+
+// Where the stages end on the scale of progress, as measured shares of a typical job.
+constexpr double kDecoded = 0.04;
+constexpr double kBuilt = 0.10;
+constexpr double kFlowed = 0.90;
+constexpr double kCurved = 0.94;
+
+/// Tells where a job is; the fraction never falls.
+class ProgressTeller {
+ public:
+  ProgressTeller(const ProgressObserver& observer, std::size_t triangles)
+      : observer_(observer), triangles_(static_cast<double>(std::max<std::size_t>(triangles, 1))) {}
+
+  /// The surface that is worked on now has this many of the triangles.
+  void next_surface(std::size_t triangles) {
+    done_ += share_;
+    share_ = static_cast<double>(triangles) / triangles_;
+  }
+
+  void stage(const char* name, double end_of_stage) { tell({name, 0, 0, within(end_of_stage)}); }
+
+  void step(const FlowStep& step) {
+    const double part = static_cast<double>(step.step) / std::max(step.of, 1);
+    tell({"flow", step.step, step.of, within(kBuilt + (kFlowed - kBuilt) * part)});
+  }
+
+ private:
+  double within(double fraction_of_surface) const {
+    return kDecoded + (kCurved - kDecoded) * (done_ + share_ * fraction_of_surface);
+  }
+  void tell(Progress progress) {
+    last_ = progress.fraction = std::clamp(progress.fraction, last_, 1.0);
+    if (observer_) observer_(progress);
+  }
+
+  const ProgressObserver& observer_;
+  double triangles_;
+  double done_ = 0.0;
+  double share_ = 0.0;
+  double last_ = 0.0;
+};
+
+/// float32, finite: what lies beyond its range becomes its largest value.
+float to_float(double value) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(value, -kMost, kMost));
+}
+
+VertexAttribute scalar_attribute(CurvatureKind kind, const std::vector<double>& values) {
+  VertexAttribute out{std::string(attribute_name(kind)), 1, {}};
+  out.values.reserve(values.size());
+  for (const double v : values) out.values.push_back(to_float(v));
+  return out;
+}
+
+VertexAttribute vector_attribute(CurvatureKind kind, const std::vector<Vec3>& values) {
+  VertexAttribute out{std::string(attribute_name(kind)), 3, {}};
+  out.values.reserve(3 * values.size());
+  for (const Vec3& v : values) {
+    for (const double c : {v.x(), v.y(), v.z()}) out.values.push_back(to_float(c));
+  }
+  return out;
+}
+
+VertexAttribute attribute(CurvatureKind kind, const CurvatureFields& fields) {
+  switch (kind) {
+    case CurvatureKind::k1: return scalar_attribute(kind, fields.k1);
+    case CurvatureKind::k2: return scalar_attribute(kind, fields.k2);
+    case CurvatureKind::mean: return scalar_attribute(kind, fields.mean);
+    case CurvatureKind::gaussian: return scalar_attribute(kind, fields.gaussian);
+    case CurvatureKind::predominant: return scalar_attribute(kind, fields.predominant);
+    case CurvatureKind::dir1: return vector_attribute(kind, fields.dir1);
+    case CurvatureKind::dir2: break;
+  }
+  return vector_attribute(kind, fields.dir2);
+}
+
+/// The attributes of a mesh that cannot be computed with: all zero.
+CurvatureFields no_curvature(std::size_t vertices) {
+  const std::vector<double> zeros(vertices, 0.0);
+  const std::vector<Vec3> none(vertices, Vec3::Zero());
+  return {zeros, zeros, zeros, zeros, zeros, none, none};
+}
+
+void add_attributes(const CurvatureFields& fields, const Parameters& parameters,
+                    SurfaceResult& result) {
+  for (const CurvatureKind kind : parameters.curvature) {
+    result.attributes.push_back(attribute(kind, fields));
+  }
+}
+
+SurfaceReport describe(const Surface& surface, const TriangleMesh& mesh, FlowReport flow) {
+  const SurfaceTopology topology = surface_topology(mesh);
+  return {surface.name,        mesh.counts(),           mesh.vertex_count(), mesh.faces().size(),
+          topology.components, topology.boundary_loops, std::move(flow)};
+}
+
+/// One surface: topology → flow → curvature.
+Result<SurfaceResult> denoise_surface(const Surface& surface, const TriangleMesh& mesh,
+                                      const Parameters& parameters, ProgressTeller& progress,
+                                      const std::stop_token& stop, JobReport& report) {
+  Result<Denoised> denoised = denoise(
+      mesh, parameters.flow, [&progress](const FlowStep& step) { progress.step(step); }, stop);
+  if (!denoised) return denoised.error();
+  SurfaceResult result;
+  result.moved = !denoised->report.steps.empty();
+  if (result.moved) {
+    IndexedMesh moved{mesh.scatter_positions(surface.mesh, denoised->positions),
+                      surface.mesh.triangles};
+    if (!surface.normals.empty()) {
+      result.normals = keep_split_normals(moved, mesh.place_of_source(), surface.normals);
+    }
+    result.positions = std::move(moved.positions);
+  }
+  progress.stage("curvature", kFlowed);
+  if (!parameters.curvature.empty()) {
+    add_attributes(scatter(mesh, curvature(mesh, denoised->positions)), parameters, result);
+  }
+  report.surfaces.push_back(describe(surface, mesh, std::move(denoised->report)));
+  return result;
+}
+
+/// A surface that has nothing to compute with stays as it is.
+SurfaceResult leave_alone(const Surface& surface, const Parameters& parameters, const Error& why,
+                          JobReport& report) {
+  SurfaceResult result;
+  add_attributes(no_curvature(surface.mesh.positions.size()), parameters, result);
+  report.notes.push_back(fmt::format("{} was left as it is: {}", surface.name, why.message));
+  return result;
+}
+
+Result<std::vector<SurfaceResult>> denoise_all(const Document& document,
+                                               const Parameters& parameters,
+                                               ProgressTeller& progress,
+                                               const std::stop_token& stop, JobReport& report) {
+  std::vector<SurfaceResult> results;
+  std::optional<Error> first_unusable;
+  for (const Surface& surface : document.surfaces()) {
+    progress.next_surface(surface.mesh.triangles.size());
+    progress.stage("topology", 0.0);
+    const Result<TriangleMesh> mesh = TriangleMesh::build(surface.mesh);
+    if (!mesh) {
+      results.push_back(leave_alone(surface, parameters, mesh.error(), report));
+      if (!first_unusable) first_unusable = mesh.error();
+      continue;
+    }
+    Result<SurfaceResult> result =
+        denoise_surface(surface, *mesh, parameters, progress, stop, report);
+    if (!result) return result.error();
+    results.push_back(*std::move(result));
+  }
+  if (report.surfaces.empty() && first_unusable) return *first_unusable;
+  return results;
+}
+
+Format output_format(Format input, const Parameters& parameters) {
+  return parameters.output.value_or(input == Format::drc ? Format::glb : input);
+}
+
+}  // namespace
+
+Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format format,
+                                    const Parameters& parameters, const ProgressObserver& observer,
+                                    const std::stop_token& stop) {
+  if (observer) observer({"decode", 0, 0, 0.0});
+  Result<std::unique_ptr<Document>> document = decode(input, format);
+  if (!document) return document.error();
+  std::size_t triangles = 0;
+  for (const Surface& s : (*document)->surfaces()) triangles += s.mesh.triangles.size();
+
+  PipelineOutput out;
+  out.format = output_format(format, parameters);
+  out.report.notes = (*document)->notes();
+  ProgressTeller progress(observer, triangles);
+  const Result<std::vector<SurfaceResult>> results =
+      denoise_all(**document, parameters, progress, stop, out.report);
+  if (!results) return results.error();
+  progress.stage("encode", 1.0);
+  Result<std::vector<std::byte>> bytes = (*document)->encode(*results, out.format);
+  if (!bytes) return bytes.error();
+  out.bytes = *std::move(bytes);
+  return out;
+}
+
+}  // namespace fairway

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/result.h"
+#include "proto/messages/format.h"
+#include "proto/messages/parameters.h"
+#include "proto/messages/report.h"
+#include "proto/messages/worker_protocol.h"
+
+namespace fairway {
+
+/// A denoised file.
+struct PipelineOutput {
+  std::vector<std::byte> bytes;
+  Format format = Format::glb;
+  JobReport report;
+};
+
+/// Called at the start of each stage and after each step of a flow.
+using ProgressObserver = std::function<void(const Progress&)>;
+
+/// The whole of fairway on one file in memory: decode → topology → flow → curvature → encode.
+/// A mesh of the file that has no usable triangle stays as it is, with a note, as long as another
+/// one has some. Errors: those of decode(), TriangleMesh::build(), denoise() and encode().
+Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format format,
+                                    const Parameters& parameters, const ProgressObserver& observer,
+                                    const std::stop_token& stop);
+
+}  // namespace fairway

@@ -1,0 +1,101 @@
+// `fairway worker`: one job of fairwayd. Untrusted bytes are parsed in this process only, under the
+// limits it sets for itself before it looks at the first of them.
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <new>
+#include <span>
+#include <string>
+
+#include "proto/messages/problem.h"
+#include "proto/messages/worker_protocol.h"
+#include "server/fairway/commands.h"
+#include "server/fairway/input_file.h"
+#include "server/fairway/pipeline.h"
+#include "server/os/file.h"
+#include "server/os/line_reader.h"
+
+namespace fairway {
+namespace {
+
+constexpr int kInput = 0;
+constexpr int kOutput = 1;
+constexpr int kEvents = 2;
+
+/// The server is gone: nobody wants the result any more.
+[[noreturn]] void leave() { _exit(problem_kind(ErrorCode::canceled).exit_code); }
+
+void send(const WorkerEvent& event) {
+  const std::string line = format_line(event);
+  for (std::span<const char> rest = line; !rest.empty();) {
+    const ssize_t sent = ::send(kEvents, rest.data(), rest.size(), MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent <= 0) leave();
+    rest = rest.subspan(static_cast<std::size_t>(sent));
+  }
+}
+
+bool limit(__rlimit_resource resource, std::uint64_t value) {
+  const rlimit both = {value, value};
+  return value == 0 || setrlimit(resource, &both) == 0;
+}
+
+Result<void> confine(const WorkerCommand& command) {
+  const bool confined = prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 &&
+                        prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
+                        limit(RLIMIT_AS, command.address_space) &&
+                        limit(RLIMIT_CPU, command.cpu_seconds);
+  const rlimit no_core = {0, 0};
+  if (!confined || setrlimit(RLIMIT_CORE, &no_core) != 0) {
+    return Error{ErrorCode::internal, "The worker cannot confine itself."};
+  }
+  return {};
+}
+
+Result<WorkerOrder> receive_order() {
+  LineReader reader(kEvents, kMaxWorkerLine);
+  for (;;) {
+    if (const auto line = reader.next()) return parse_worker_order(*line);
+    if (reader.fill() != LineReader::Status::data) leave();
+  }
+}
+
+Result<void> work(const WorkerCommand& command) {
+  if (Result<void> confined = confine(command); !confined) return confined;
+  const Result<WorkerOrder> order = receive_order();
+  if (!order) return order.error();
+  const Result<InputFile> input = InputFile::map(kInput);
+  if (!input) return input.error();
+  Result<PipelineOutput> output =
+      run_pipeline(input->bytes(), order->input, order->parameters,
+                   [](const Progress& progress) { send(progress); }, {});
+  if (!output) return output.error();
+  if (Result<void> written = write_all(kOutput, output->bytes); !written) return written;
+  send(Finished{output->format, report_document(output->report)});
+  return {};
+}
+
+Result<void> work_within_memory(const WorkerCommand& command) {
+  try {
+    return work(command);
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::memory_limit,
+                 "The job needs more memory than a worker may use; send a smaller mesh."};
+  }
+}
+
+}  // namespace
+
+int run(const WorkerCommand& command) {
+  const Result<void> done = work_within_memory(command);
+  if (done) return 0;
+  send(Failed{done.error()});
+  return problem_kind(done.error().code).exit_code;
+}
+
+}  // namespace fairway

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "server/fairwayd/blob_store.h"
+#include "server/fairwayd/http_engine.h"
+#include "server/fairwayd/http_message.h"
+#include "server/fairwayd/job_board.h"
+#include "server/fairwayd/job_store.h"
+#include "server/fairwayd/log.h"
+#include "server/fairwayd/routes.h"
+#include "server/fairwayd/supervisor.h"
+
+namespace fairway {
+
+struct ApiOptions {
+  std::uint64_t max_mesh_bytes = std::uint64_t{512} << 20;
+  std::size_t queue_limit = 256;
+};
+
+/// The HTTP API over the stores. Knows no socket and no process.
+class Api final : public HttpApplication {
+ public:
+  /// All references must outlive it; `stop` ends the waits of POST /v1/denoise.
+  Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor, const Log& log,
+      const ApiOptions& options, std::stop_token stop);
+
+  std::vector<std::string> upload_paths() const override;
+  bool is_upload(const HttpRequest& request) const override;
+  HttpResponse answer(const HttpRequest& request, BodySource& body) override;
+
+ private:
+  HttpResponse answer_place(const Route& route, const HttpRequest& request, BodySource& body);
+  HttpResponse submit_job(const HttpRequest& request, BodySource& body);
+  HttpResponse denoise(const HttpRequest& request, BodySource& body);
+  HttpResponse list_jobs(const HttpRequest& request);
+  HttpResponse show_job(const std::string& id);
+  HttpResponse show_result(const std::string& id);
+  HttpResponse cancel_job(const std::string& id);
+  HttpResponse delete_job(const std::string& id);
+
+  Result<Job> submit(const HttpRequest& request, BodySource& body);
+  Result<Job> cancel(const std::string& id);
+  HttpResponse wait_for_result(const Job& submitted, const HttpRequest& request);
+  HttpResponse result_of(const Job& job);
+  Json document_of(const Job& job) const;
+  HttpResponse job_response(const Job& job, int status) const;
+
+  JobStore& jobs_;
+  BlobStore& blobs_;
+  JobBoard& board_;
+  Supervisor& supervisor_;
+  const Log& log_;
+  const ApiOptions options_;
+  const std::stop_token stop_;
+};
+
+}  // namespace fairway

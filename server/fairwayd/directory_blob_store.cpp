@@ -1,0 +1,117 @@
+#include "server/fairwayd/directory_blob_store.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <system_error>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "server/os/file.h"
+#include "server/os/random_id.h"
+#include "server/os/sha256.h"
+
+namespace fairway {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Keys are ours; one that could leave the directory is a defect, and is stopped here all the same.
+bool is_plain(std::string_view key) {
+  return !key.empty() && key.size() <= 100 && key.front() != '.' &&
+         key.find('/') == std::string_view::npos && key.find('\0') == std::string_view::npos;
+}
+
+Error bad_key() {
+  return {ErrorCode::internal, "A blob key is not a plain name."};
+}
+
+class FileDraft final : public BlobDraft {
+ public:
+  FileDraft(AtomicFile file, const fs::path& blobs) : file_(std::move(file)), blobs_(blobs) {}
+
+  int descriptor() const override { return file_.descriptor(); }
+
+  Result<void> append(std::span<const std::byte> bytes) override {
+    return write_all(file_.descriptor(), bytes);
+  }
+
+  Result<BlobInfo> commit(std::string_view key) override {
+    if (!is_plain(key)) return bad_key();
+    auto bytes = size_of(file_.descriptor());
+    if (!bytes) return bytes.error();
+    auto sha256 = sha256_of_file(file_.descriptor());
+    if (!sha256) return sha256.error();
+    if (auto done = file_.commit(blobs_ / key); !done) return done.error();
+    return BlobInfo{std::string(key), *bytes, std::move(*sha256)};
+  }
+
+ private:
+  AtomicFile file_;
+  const fs::path& blobs_;
+};
+
+Result<std::size_t> remove_files(const fs::path& directory, const std::vector<std::string>& keep) {
+  std::size_t removed = 0;
+  std::error_code error;
+  fs::directory_iterator entries(directory, error);
+  if (error) return file_error("list " + directory.string(), error.value());
+  for (; entries != fs::directory_iterator(); entries.increment(error)) {
+    const fs::path& path = entries->path();
+    if (!std::binary_search(keep.begin(), keep.end(), path.filename().string())) {
+      if (::unlink(path.c_str()) != 0) return file_error("remove " + path.string(), errno);
+      ++removed;
+    }
+    if (error) return file_error("list " + directory.string(), error.value());
+  }
+  return removed;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<DirectoryBlobStore>> DirectoryBlobStore::open(const fs::path& blobs,
+                                                                     const fs::path& spool) {
+  for (const fs::path& directory : {blobs, spool}) {
+    std::error_code error;
+    fs::create_directories(directory, error);
+    if (error) return file_error("create " + directory.string(), error.value());
+    if (auto synced = sync_directory(directory.parent_path()); !synced) return synced.error();
+  }
+  return std::unique_ptr<DirectoryBlobStore>(new DirectoryBlobStore(blobs, spool));
+}
+
+Result<std::unique_ptr<BlobDraft>> DirectoryBlobStore::create() {
+  auto file = AtomicFile::create(spool_ / random_id());
+  if (!file) return file.error();
+  return std::unique_ptr<BlobDraft>(std::make_unique<FileDraft>(std::move(*file), blobs_));
+}
+
+Result<UniqueFd> DirectoryBlobStore::open(std::string_view key) {
+  if (!is_plain(key)) return bad_key();
+  const fs::path path = blobs_ / key;
+  UniqueFd fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (fd) return fd;
+  if (errno == ENOENT) return Error{ErrorCode::gone, "The payload is no longer stored."};
+  return file_error("open a payload", errno);
+}
+
+Result<void> DirectoryBlobStore::remove(std::string_view key) {
+  if (!is_plain(key)) return bad_key();
+  if (::unlink((blobs_ / key).c_str()) != 0 && errno != ENOENT) {
+    return file_error("remove a payload", errno);
+  }
+  return {};
+}
+
+Result<std::size_t> DirectoryBlobStore::sweep(const std::vector<std::string>& needed) {
+  std::vector<std::string> keep = needed;
+  std::sort(keep.begin(), keep.end());
+  auto drafts = remove_files(spool_, {});
+  if (!drafts) return drafts.error();
+  auto blobs = remove_files(blobs_, keep);
+  if (!blobs) return blobs.error();
+  return *drafts + *blobs;
+}
+
+}  // namespace fairway

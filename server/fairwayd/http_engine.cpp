@@ -1,0 +1,247 @@
+// The one file that knows cpp-httplib. The library parses request lines, queries and multipart
+// bodies and writes responses; where a request begins and ends, and what of it the library gets to
+// see, is decided before it, in Connection.
+#include "server/fairwayd/http_engine.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+
+#include <httplib.h>
+#include <unistd.h>
+
+namespace fairway {
+namespace {
+
+constexpr std::size_t kMaxRequestsPerConnection = 1000;
+constexpr std::size_t kFileChunk = 64 * 1024;
+
+/// One request of a connection as the library's stream: the checked head, then the body.
+class RequestStream final : public httplib::Stream {
+ public:
+  explicit RequestStream(Connection& connection) : connection_(connection) {}
+
+  void begin(std::string head) {
+    head_ = std::move(head);
+    at_ = 0;
+    error_.reset();
+  }
+  const std::optional<Error>& error() const { return error_; }
+
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
+
+  ssize_t read(char* space, size_t size) override {
+    if (at_ < head_.size()) {
+      const std::size_t count = std::min(size, head_.size() - at_);
+      head_.copy(space, count, at_);
+      at_ += count;
+      return static_cast<ssize_t>(count);
+    }
+    auto got = connection_.read_body({space, size});
+    if (got) return static_cast<ssize_t>(*got);
+    error_ = got.error();
+    return -1;
+  }
+
+  ssize_t write(const char* bytes, size_t size) override {
+    return connection_.send({bytes, size}) ? static_cast<ssize_t>(size) : -1;
+  }
+
+  void get_remote_ip_and_port(std::string&, int&) const override {}
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  socket_t socket() const override { return connection_.descriptor(); }
+
+ private:
+  Connection& connection_;
+  std::string head_;
+  std::size_t at_ = 0;
+  std::optional<Error> error_;
+};
+
+class NoBody final : public BodySource {
+ public:
+  Result<void> read(const OnBytes&) override { return {}; }
+  Result<void> read_parts(const OnPart&, const OnBytes&) override { return {}; }
+};
+
+class LibraryBody final : public BodySource {
+ public:
+  LibraryBody(const httplib::ContentReader& reader, bool multipart, const RequestStream& stream)
+      : reader_(reader), multipart_(multipart), stream_(stream) {}
+
+  Result<void> read(const OnBytes& on_bytes) override {
+    return verdict(reader_(receiver(on_bytes)));
+  }
+
+  Result<void> read_parts(const OnPart& on_part, const OnBytes& on_bytes) override {
+    if (!multipart_) return Error{ErrorCode::bad_request, "The body is not multipart/form-data."};
+    const auto on_head = [&](const httplib::MultipartFormData& part) {
+      return keep(on_part({part.name, part.filename, part.content_type}));
+    };
+    return verdict(reader_(on_head, receiver(on_bytes)));
+  }
+
+ private:
+  httplib::ContentReceiver receiver(const OnBytes& on_bytes) {
+    return [this, &on_bytes](const char* bytes, size_t size) {
+      return keep(on_bytes(std::as_bytes(std::span(bytes, size))));
+    };
+  }
+
+  bool keep(Result<void> said) {
+    if (!said) refused_ = said.error();
+    return static_cast<bool>(said);
+  }
+
+  Result<void> verdict(bool read_all) const {
+    if (refused_) return *refused_;
+    if (stream_.error()) return *stream_.error();
+    if (!read_all) {
+      return Error{ErrorCode::bad_request,
+                   "The body is not well-formed multipart/form-data: check boundary and parts."};
+    }
+    return {};
+  }
+
+  const httplib::ContentReader& reader_;
+  bool multipart_;
+  const RequestStream& stream_;
+  std::optional<Error> refused_;
+};
+
+void put_file(httplib::Response& to, FileBody file, const std::string& content_type) {
+  const auto shared = std::make_shared<UniqueFd>(std::move(file.file));
+  to.set_content_provider(
+      file.bytes, content_type, [shared](size_t offset, size_t length, httplib::DataSink& sink) {
+        std::array<char, kFileChunk> chunk;
+        const ssize_t got = ::pread(shared->get(), chunk.data(), std::min(length, chunk.size()),
+                                    static_cast<off_t>(offset));
+        return got > 0 && sink.write(chunk.data(), static_cast<size_t>(got));
+      });
+}
+
+/// The library's server without its sockets and threads: one per connection, so that handlers know
+/// whom they talk to.
+class Talk final : private httplib::Server {
+ public:
+  Talk(Connection& connection, HttpApplication& application, const Log& log,
+       const ConnectionLimits& limits)
+      : connection_(connection), application_(application), log_(log), stream_(connection) {
+    // The library sends bodies only while it believes that it listens.
+    svr_sock_ = connection.descriptor();
+    set_keep_alive_max_count(kMaxRequestsPerConnection);
+    set_keep_alive_timeout(std::chrono::ceil<std::chrono::seconds>(limits.idle).count());
+    set_handlers();
+  }
+
+  void run();
+
+ private:
+  void set_handlers();
+  bool serve_one(const RequestHead& head);
+  HttpRequest request_of(const httplib::Request& from) const;
+  void put(HttpResponse from, httplib::Response& to);
+  void refuse(const Error& error);
+
+  Connection& connection_;
+  HttpApplication& application_;
+  const Log& log_;
+  RequestStream stream_;
+  const RequestHead* head_ = nullptr;  ///< of the request being answered
+  bool close_ = false;                 ///< after this answer
+};
+
+void Talk::set_handlers() {
+  set_pre_routing_handler([this](const httplib::Request& from, httplib::Response& to) {
+    const HttpRequest request = request_of(from);
+    if (application_.is_upload(request)) return HandlerResponse::Unhandled;
+    NoBody body;
+    put(application_.answer(request, body), to);
+    return HandlerResponse::Handled;
+  });
+  for (const std::string& path : application_.upload_paths()) {
+    Post(path, [this](const httplib::Request& from, httplib::Response& to,
+                      const httplib::ContentReader& reader) {
+      LibraryBody body(reader, from.is_multipart_form_data(), stream_);
+      put(application_.answer(request_of(from), body), to);
+    });
+  }
+  // What the library refuses by itself: a request line or headers it cannot read.
+  set_error_handler(HandlerWithResponse([this](const httplib::Request&, httplib::Response& to) {
+    if (!to.body.empty() || to.content_provider_) return HandlerResponse::Unhandled;
+    put(problem_response({ErrorCode::bad_request, "The request cannot be understood."}), to);
+    close_ = true;
+    return HandlerResponse::Handled;
+  }));
+  set_exception_handler([this](const httplib::Request&, httplib::Response& to, std::exception_ptr) {
+    put(problem_response({ErrorCode::internal, "The server met a defect of its own."}), to);
+    close_ = true;
+  });
+  set_post_routing_handler([this](const httplib::Request&, httplib::Response& to) {
+    if (!close_) return;
+    to.headers.erase("Connection");
+    to.headers.erase("Keep-Alive");
+    to.set_header("Connection", "close");
+  });
+}
+
+HttpRequest Talk::request_of(const httplib::Request& from) const {
+  HttpRequest request;
+  request.method = from.method;
+  request.path = from.path;
+  for (const auto& [name, value] : from.params) request.query.emplace_back(name, value);
+  request.content_type = from.get_header_value("Content-Type");
+  request.has_content_encoding = head_->has_content_encoding;
+  request.has_length = head_->framing.chunked || head_->framing.length.has_value();
+  request.content_length = head_->framing.length;
+  request.client_is_there = [this] { return connection_.client_is_there(); };
+  return request;
+}
+
+void Talk::put(HttpResponse from, httplib::Response& to) {
+  if (from.status >= 500) log_.write(LogLevel::error, "http_error", {{"status", from.status}});
+  close_ = close_ || from.close || !connection_.body_is_over();
+  to.status = from.status;
+  to.body.clear();
+  for (const auto& [name, value] : from.headers) to.set_header(name, value);
+  if (from.file) {
+    put_file(to, std::move(*from.file), from.content_type);
+  } else {
+    to.set_content(from.body, from.content_type);
+  }
+}
+
+/// Answers a request whose head cannot even be given to the library.
+void Talk::refuse(const Error& error) {
+  connection_.send(refusal_message(error));
+  connection_.finish_refused();
+}
+
+bool Talk::serve_one(const RequestHead& head) {
+  head_ = &head;
+  close_ = !head.keep_alive;
+  stream_.begin(head.text);
+  bool closed = false;
+  const bool answered = process_request(stream_, close_, closed, nullptr);
+  if (!connection_.body_is_over()) connection_.finish_refused();
+  return answered && !close_ && connection_.body_is_over();
+}
+
+void Talk::run() {
+  for (std::size_t i = 0; i < kMaxRequestsPerConnection; ++i) {
+    auto head = connection_.read_head();
+    if (!head) return refuse(head.error());
+    if (!*head || !serve_one(**head)) return;
+  }
+}
+
+}  // namespace
+
+void serve_connection(Connection& connection, HttpApplication& application, const Log& log,
+                      const ConnectionLimits& limits) {
+  Talk(connection, application, log, limits).run();
+}
+
+}  // namespace fairway

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/result.h"
+#include "server/os/unique_fd.h"
+
+namespace fairway {
+
+using NameValues = std::vector<std::pair<std::string, std::string>>;
+
+/// A request without its body, decoded and within limits. All text is the client's.
+struct HttpRequest {
+  std::string method;
+  std::string path;                             ///< percent-decoded, without the query
+  NameValues query;                             ///< percent-decoded, in no particular order
+  std::string content_type;                     ///< with its parameters; empty if absent
+  bool has_content_encoding = false;            ///< other than identity
+  bool has_length = false;                      ///< framed by Content-Length or chunks
+  std::optional<std::uint64_t> content_length;  ///< where it is declared
+  /// False once the client has hung up. May be asked from the thread that answers.
+  std::function<bool()> client_is_there = [] { return true; };
+};
+
+/// A file as a body; sent from its start.
+struct FileBody {
+  UniqueFd file;
+  std::uint64_t bytes = 0;
+};
+
+/// An answer. The body is `file` if there is one, otherwise `body`.
+struct HttpResponse {
+  int status = 200;
+  std::string content_type;
+  std::string body;
+  std::optional<FileBody> file = {};
+  NameValues headers = {};
+  bool close = false;  ///< end the connection after this answer
+};
+
+/// The head of one part of a multipart body.
+struct PartHead {
+  std::string name;
+  std::string file_name;
+  std::string content_type;
+};
+
+/// A request's body as it arrives. One of the two reads may be called, once. What a callback
+/// refuses ends the reading, and its Error is returned.
+class BodySource {
+ public:
+  virtual ~BodySource() = default;
+
+  using OnBytes = std::function<Result<void>(std::span<const std::byte>)>;
+  using OnPart = std::function<Result<void>(const PartHead&)>;
+
+  /// The whole body, in pieces. Errors: bad_request (cut short, badly framed), too_large,
+  /// time_limit.
+  virtual Result<void> read(const OnBytes& on_bytes) = 0;
+
+  /// A multipart/form-data body: `on_part` at each head, then `on_bytes` with its content.
+  /// Errors: as read(), bad_request (not multipart).
+  virtual Result<void> read_parts(const OnPart& on_part, const OnBytes& on_bytes) = 0;
+};
+
+/// The problem document of an error as an answer.
+HttpResponse problem_response(const Error& error);
+
+/// The same as a whole HTTP/1.1 message that ends the connection: for what is refused before a
+/// request has been understood.
+std::string refusal_message(const Error& error);
+
+}  // namespace fairway

@@ -1,0 +1,41 @@
+#include "server/fairwayd/job_board.h"
+
+namespace fairway {
+
+void JobBoard::post(const std::string& job_id, const Progress& progress) {
+  const std::lock_guard lock(mutex_);
+  progress_[job_id] = progress;
+}
+
+void JobBoard::forget(const std::string& job_id) {
+  const std::lock_guard lock(mutex_);
+  progress_.erase(job_id);
+}
+
+std::optional<Progress> JobBoard::progress(const std::string& job_id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = progress_.find(job_id);
+  if (found == progress_.end()) return std::nullopt;
+  return found->second;
+}
+
+void JobBoard::announce() {
+  {
+    const std::lock_guard lock(mutex_);
+    ++turn_;
+  }
+  changed_.notify_all();
+}
+
+std::uint64_t JobBoard::turn() const {
+  const std::lock_guard lock(mutex_);
+  return turn_;
+}
+
+void JobBoard::wait(std::uint64_t seen, std::chrono::milliseconds time,
+                    std::stop_token stop) const {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, stop, time, [&] { return turn_ != seen; });
+}
+
+}  // namespace fairway

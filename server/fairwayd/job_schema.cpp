@@ -1,0 +1,75 @@
+#include "server/fairwayd/job_schema.h"
+
+#include <array>
+
+#include <fmt/format.h>
+
+namespace fairway {
+namespace {
+
+/// Step n brings user_version n to n + 1. Steps are only ever added.
+constexpr std::array<const char*, 1> kSteps{R"sql(
+  CREATE TABLE job (
+    seq           INTEGER PRIMARY KEY AUTOINCREMENT,
+    id            TEXT NOT NULL UNIQUE CHECK (length(id) = 22),
+    state         TEXT NOT NULL
+                  CHECK (state IN ('queued','running','succeeded','failed','canceled','expired')),
+    revision      INTEGER NOT NULL CHECK (revision >= 1),
+    attempt       INTEGER NOT NULL CHECK (attempt >= 1),
+    fence         INTEGER NOT NULL CHECK (fence >= 0),
+    lease_owner   TEXT,
+    lease_until   INTEGER,
+    created       INTEGER NOT NULL,
+    started       INTEGER,
+    finished      INTEGER,
+    input_key     TEXT NOT NULL,
+    input_bytes   INTEGER NOT NULL CHECK (input_bytes > 0),
+    input_sha256  TEXT NOT NULL,
+    input_format  TEXT NOT NULL,
+    parameters    TEXT NOT NULL,
+    problem       TEXT,
+    report        TEXT,
+    result_key    TEXT,
+    result_bytes  INTEGER,
+    result_sha256 TEXT,
+    result_format TEXT,
+    CHECK ((state = 'running') = (lease_owner IS NOT NULL)),
+    CHECK ((state = 'running') = (lease_until IS NOT NULL)),
+    CHECK (state NOT IN ('queued','running') OR finished IS NULL),
+    CHECK (state IN ('queued','running') OR finished IS NOT NULL),
+    CHECK ((state = 'succeeded') = (result_key IS NOT NULL)),
+    CHECK (state <> 'failed' OR problem IS NOT NULL),
+    CHECK (state IN ('failed','expired') OR problem IS NULL)
+  ) STRICT;
+  CREATE INDEX job_by_state ON job (state, seq);
+)sql"};
+
+}  // namespace
+
+Result<void> migrate_job_schema(Database& database) {
+  std::int64_t version = 0;
+  {
+    Query query = database.query("PRAGMA user_version");
+    auto row = query.step();
+    if (!row) return row.error();
+    version = query.integer(0);
+  }
+  if (version > static_cast<std::int64_t>(kSteps.size())) {
+    return Error{ErrorCode::conflict,
+                 fmt::format("The job database has schema {}, and this fairwayd knows up to {}: "
+                             "start the newer fairwayd that wrote it.",
+                             version, kSteps.size())};
+  }
+  for (auto step = static_cast<std::size_t>(version); step < kSteps.size(); ++step) {
+    auto transaction = Transaction::begin(database);
+    if (!transaction) return transaction.error();
+    if (auto done = database.execute(kSteps.at(step)); !done) return done;
+    if (auto done = database.execute(fmt::format("PRAGMA user_version = {}", step + 1)); !done) {
+      return done;
+    }
+    if (auto done = transaction->commit(); !done) return done;
+  }
+  return {};
+}
+
+}  // namespace fairway

@@ -1,0 +1,33 @@
+#include <cstdio>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "proto/messages/problem.h"
+#include "server/fairwayd/service.h"
+#include "server/fairwayd/settings.h"
+
+namespace {
+
+int complain(const fairway::Error& error) {
+  fmt::print(stderr, "fairwayd: {}\n", error.message);
+  return fairway::problem_kind(error.code).exit_code;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const auto settings =
+      fairway::parse_settings({arguments + 1, static_cast<std::size_t>(count > 0 ? count - 1 : 0)});
+  if (!settings) return complain(settings.error());
+  if (settings->help) {
+    fmt::print("{}", fairway::usage_text());
+    return 0;
+  }
+  if (settings->version) {
+    fmt::print("fairwayd {}\n", FAIRWAY_VERSION);
+    return 0;
+  }
+  const auto served = fairway::run_service(*settings);
+  return served ? 0 : complain(served.error());
+}

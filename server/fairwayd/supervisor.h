@@ -1,0 +1,95 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "server/fairwayd/blob_store.h"
+#include "server/fairwayd/job_board.h"
+#include "server/fairwayd/job_store.h"
+#include "server/fairwayd/log.h"
+#include "server/fairwayd/worker_run.h"
+#include "server/os/event_flag.h"
+
+namespace fairway {
+
+struct SupervisorOptions {
+  std::size_t slots = 1;
+  std::filesystem::path worker;  ///< the `fairway` program
+  std::string owner = "local";   ///< this worker host's lasting name in the store
+  WorkerLimits limits;
+  std::chrono::milliseconds lease{30000};
+  std::chrono::milliseconds heartbeat{10000};
+};
+
+/// Runs the jobs of the store, at most `slots` at a time, each in a worker process of its own. One
+/// thread per slot: claim, run, put the result into the blob store, commit the state last.
+class Supervisor {
+ public:
+  /// All references must outlive the supervisor.
+  Supervisor(JobStore& jobs, BlobStore& blobs, JobBoard& board, const Log& log,
+             SupervisorOptions options);
+  /// As stop().
+  ~Supervisor();
+
+  /// Starts the slots. Errors: unavailable.
+  Result<void> start();
+
+  /// Kills the running workers, hands their jobs back to the queue, ends the slots. Idempotent.
+  void stop();
+
+  /// There may be work: a slot looks at once instead of within a second.
+  void wake();
+
+  /// The job was canceled in the store: if it runs here, its worker is killed at once (elsewhere
+  /// the next heartbeat tells).
+  void interrupt(std::string_view job_id);
+
+ private:
+  struct Slot {
+    explicit Slot(EventFlag flag) : interrupt(std::move(flag)) {}
+
+    const EventFlag interrupt;
+    std::mutex mutex;
+    std::string job_id;     ///< empty while idle
+    bool canceled = false;  ///< the job was canceled while it ran here
+    std::jthread thread;
+  };
+
+  void serve(Slot& slot, std::stop_token stop);
+  void run(Slot& slot, const Claim& claim, std::stop_token stop);
+  void execute(Slot& slot, const Claim& claim, std::stop_token stop);
+  Result<WorkerEnd> run_process(Slot& slot, const Claim& claim, BlobDraft& output,
+                                std::stop_token stop);
+  bool keep_going(Slot& slot, const Lease& lease, std::chrono::steady_clock::time_point& next_beat,
+                  const std::stop_token& stop);
+  void settle(const Claim& claim, WorkerEnd end, BlobDraft& output, const std::stop_token& stop);
+  void succeed(const Claim& claim, const Finished& finished, BlobDraft& output);
+  void fail(const Claim& claim, const Error& error);
+  void lose_worker(const Claim& claim, const WorkerDied& death);
+  void hand_back(const Claim& claim);
+  void conclude(const Claim& claim, const Result<Job>& written);
+  void pause(std::chrono::milliseconds time, std::stop_token stop);
+
+  JobStore& jobs_;
+  BlobStore& blobs_;
+  JobBoard& board_;
+  const Log& log_;
+  const SupervisorOptions options_;
+
+  std::mutex mutex_;
+  std::condition_variable_any work_;
+  std::size_t wakeups_ = 0;  ///< guarded by mutex_; one slot looks for work for each
+
+  std::vector<std::unique_ptr<Slot>> slots_;  ///< changed by start() and stop() only
+};
+
+}  // namespace fairway

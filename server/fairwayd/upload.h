@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/result.h"
+#include "proto/messages/format.h"
+#include "proto/messages/parameters.h"
+#include "server/fairwayd/blob_store.h"
+#include "server/fairwayd/http_message.h"
+
+namespace fairway {
+
+/// What a multipart body may have beyond the mesh: the parameters and the framing of the parts.
+inline constexpr std::uint64_t kUploadOverhead = 128 * 1024;
+/// Longest parameter document.
+inline constexpr std::size_t kMaxParameterBytes = 64 * 1024;
+
+/// A mesh in the spool and what to do with it. Not durable yet.
+struct Upload {
+  std::unique_ptr<BlobDraft> mesh;
+  Format format = Format::glb;
+  Parameters parameters;
+};
+
+/// What can be said against an upload before any of its body has been read. Errors: too_large,
+/// length_required, unsupported_format (a content encoding), bad_request (unknown query key),
+/// malformed_parameters, invalid_parameters.
+Result<void> check_upload(const HttpRequest& request, std::uint64_t max_mesh_bytes);
+
+/// Streams an upload that passed check_upload() into the spool: a raw mesh with `?params=`, or
+/// multipart/form-data with exactly one part `mesh` and at most one part `params`. Never more than
+/// one piece of the mesh is in memory. Errors: as check_upload(), recognise_format(), BodySource,
+/// BlobDraft.
+Result<Upload> receive_upload(const HttpRequest& request, BodySource& body, BlobStore& blobs,
+                              std::uint64_t max_mesh_bytes);
+
+}  // namespace fairway

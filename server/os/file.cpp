@@ -1,0 +1,75 @@
+#include "server/os/file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace fairway {
+
+std::string system_sentence(std::string_view doing, int error_number) {
+  return fmt::format("Cannot {}: {}.", doing, std::generic_category().message(error_number));
+}
+
+Error file_error(std::string_view doing, int error_number) {
+  const bool full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
+  return {full ? ErrorCode::storage_full : ErrorCode::io, system_sentence(doing, error_number)};
+}
+
+Result<UniqueFd> open_file(const std::filesystem::path& path, int flags, mode_t mode) {
+  UniqueFd fd(::open(path.c_str(), flags | O_CLOEXEC, mode));
+  if (!fd) return file_error(fmt::format("open {}", path.string()), errno);
+  return fd;
+}
+
+Result<void> write_all(int fd, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return file_error("write", errno);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return {};
+}
+
+Result<void> sync_directory(const std::filesystem::path& directory) {
+  auto fd = open_file(directory, O_RDONLY | O_DIRECTORY);
+  if (!fd) return fd.error();
+  if (::fsync(fd->get()) != 0) return file_error("make a directory durable", errno);
+  return {};
+}
+
+Result<std::uint64_t> size_of(int fd) {
+  struct stat status {};
+  if (::fstat(fd, &status) != 0) return file_error("look at a file", errno);
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+Result<AtomicFile> AtomicFile::create(std::filesystem::path temporary) {
+  auto fd = open_file(temporary, O_RDWR | O_CREAT | O_EXCL);
+  if (!fd) return fd.error();
+  return AtomicFile(std::move(temporary), std::move(*fd));
+}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : temporary_(std::exchange(other.temporary_, {})), fd_(std::move(other.fd_)) {}
+
+AtomicFile::~AtomicFile() {
+  // A file that cannot be removed here is swept at the next start.
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+Result<void> AtomicFile::commit(const std::filesystem::path& final_path) {
+  if (::fsync(fd_.get()) != 0) return file_error("make a file durable", errno);
+  if (std::rename(temporary_.c_str(), final_path.c_str()) != 0) {
+    return file_error("give a file its final name", errno);
+  }
+  temporary_.clear();
+  return sync_directory(final_path.parent_path());
+}
+
+}  // namespace fairway

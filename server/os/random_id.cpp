@@ -1,0 +1,41 @@
+#include "server/os/random_id.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include <sys/random.h>
+
+namespace fairway {
+namespace {
+
+constexpr std::string_view kAlphabet =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+
+}  // namespace
+
+std::string random_id() {
+  std::array<std::uint8_t, 16> bytes{};
+  // Up to 256 bytes are never cut short once the pool is ready; EINTR happens only before that.
+  while (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+  }
+  std::string text;
+  unsigned bits = 0;
+  int count = 0;
+  for (const std::uint8_t byte : bytes) {
+    bits = (bits << 8U) | byte;
+    for (count += 8; count >= 6; count -= 6) {
+      text += kAlphabet[(bits >> static_cast<unsigned>(count - 6)) & 63U];
+    }
+  }
+  text += kAlphabet[(bits << static_cast<unsigned>(6 - count)) & 63U];
+  return text;
+}
+
+bool is_random_id(std::string_view text) {
+  return text.size() == kRandomIdLength && std::all_of(text.begin(), text.end(), [](char c) {
+           return kAlphabet.find(c) != std::string_view::npos;
+         });
+}
+
+}  // namespace fairway

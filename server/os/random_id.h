@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace fairway {
+
+/// Length of a random id in characters.
+inline constexpr std::size_t kRandomIdLength = 22;
+
+/// 128 bits from the kernel's generator, as 22 URL-safe characters (base64url without padding).
+std::string random_id();
+
+/// True for text of the shape that random_id() makes. Anything else never reaches a path or a
+/// query.
+bool is_random_id(std::string_view text);
+
+}  // namespace fairway

@@ -1,0 +1,146 @@
+// From any triangle list to a surface, and back.
+
+#include "core/triangle_mesh.h"
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "core/halfedge.h"
+#include "core/shapes.h"
+
+namespace fairway::test {
+namespace {
+
+/// Every triangle with three vertices of its own.
+IndexedMesh soup(const IndexedMesh& mesh) {
+  IndexedMesh out;
+  for (const Triangle& t : mesh.triangles) {
+    const auto first = static_cast<Index>(out.positions.size());
+    for (const Index v : t) out.positions.push_back(mesh.positions[v]);
+    out.triangles.push_back({first, first + 1, first + 2});
+  }
+  return out;
+}
+
+TriangleMesh built(const IndexedMesh& mesh) {
+  Result<TriangleMesh> result = TriangleMesh::build(mesh);
+  REQUIRE(result);
+  return *std::move(result);
+}
+
+}  // namespace
+
+TEST_CASE("a soup welds to the closed surface it came from") {
+  const IndexedMesh closed = sphere(2, 1.0);
+  const TriangleMesh mesh = built(soup(closed));
+  CHECK(mesh.vertex_count() == closed.positions.size());
+  CHECK(mesh.counts().welded == 3 * closed.triangles.size() - closed.positions.size());
+  CHECK(mesh.counts().boundary_edges == 0);
+  const SurfaceTopology topology = surface_topology(mesh);
+  CHECK(topology.components == 1);
+  CHECK(topology.boundary_loops == 0);
+  CHECK(topology.euler_characteristic == 2);
+}
+
+TEST_CASE("a clean mesh keeps its vertex order and loses nothing") {
+  const IndexedMesh source = ring(24, 3);
+  const TriangleMesh mesh = built(source);
+  REQUIRE(mesh.vertex_count() == source.positions.size());
+  CHECK(mesh.faces() == source.triangles);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    CHECK((mesh.positions()[v] + mesh.origin() - source.positions[v]).norm() < 1e-14);
+  }
+  CHECK(surface_topology(mesh).euler_characteristic == 0);
+}
+
+TEST_CASE("negative zero welds to zero") {
+  IndexedMesh mesh = sheet(1);
+  mesh.positions.emplace_back(-1.0, -1.0, -0.0);
+  mesh.triangles.push_back({4, 3, 0});
+  CHECK(built(mesh).counts().welded == 1);
+}
+
+TEST_CASE("degenerate and duplicate triangles are left out, not their vertices' answers") {
+  IndexedMesh mesh = sphere(1, 1.0);
+  const Triangle first = mesh.triangles[0];
+  mesh.triangles.push_back({first[1], first[2], first[0]});
+  mesh.triangles.push_back({first[0], first[0], first[1]});
+  mesh.positions.emplace_back(5.0, 5.0, 5.0);
+  const TriangleMesh surface = built(mesh);
+  CHECK(surface.counts().duplicate_triangles == 1);
+  CHECK(surface.counts().degenerate_triangles == 1);
+  CHECK(surface.counts().isolated == 1);
+  CHECK(surface.vertex_of_source().back() == kNoIndex);
+  CHECK(surface.counts().boundary_edges == 0);
+}
+
+TEST_CASE("fans that meet in one vertex come apart and move back together") {
+  // Two tetrahedra that share the vertex at the origin.
+  IndexedMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3},
+                    {0, 4, 5}, {0, 6, 4}, {0, 5, 6}, {4, 6, 5}};
+  const TriangleMesh surface = built(mesh);
+  CHECK(surface.counts().split == 1);
+  CHECK(surface.vertex_count() == 8);
+  CHECK(surface_topology(surface).components == 2);
+  std::vector<Vec3> moved = surface.positions();
+  moved[0] += Vec3(0.0, 0.0, 0.5);
+  const std::vector<Vec3> back = surface.scatter_positions(mesh, moved);
+  CHECK((back[0] - Vec3(0.0, 0.0, 0.25)).norm() < 1e-15);
+  CHECK(back[1] == mesh.positions[1]);
+}
+
+TEST_CASE("an edge with three faces and a flipped neighbour become boundaries") {
+  IndexedMesh fan;
+  fan.positions = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}};
+  fan.triangles = {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}};
+  CHECK(built(fan).counts().boundary_edges == 9);
+  IndexedMesh flipped = sheet(1);
+  std::swap(flipped.triangles[1][0], flipped.triangles[1][1]);
+  CHECK(built(flipped).counts().boundary_edges == 6);
+}
+
+TEST_CASE("an open sheet has one boundary loop and knows its boundary vertices") {
+  const TriangleMesh surface = built(sheet(4));
+  CHECK(surface.counts().boundary_edges == 16);
+  CHECK(surface_topology(surface).boundary_loops == 1);
+  const auto& boundary = surface.boundary_vertex();
+  CHECK(std::count(boundary.begin(), boundary.end(), 1) == 16);
+}
+
+TEST_CASE("a vertex of very high valence is no trouble") {
+  IndexedMesh star;
+  constexpr Index kValence = 20000;
+  star.positions.emplace_back(0.0, 0.0, 1.0);
+  for (Index i = 0; i < kValence; ++i) {
+    const double a = 2.0 * M_PI * i / kValence;
+    star.positions.emplace_back(std::cos(a), std::sin(a), 0.0);
+    star.triangles.push_back({0, 1 + i, 1 + (i + 1) % kValence});
+  }
+  CHECK(built(star).vertex_edges()[0].size() == kValence);
+}
+
+TEST_CASE("meshes without usable triangles are refused with a remedy") {
+  const auto code = [](const IndexedMesh& mesh) {
+    const Result<TriangleMesh> result = TriangleMesh::build(mesh);
+    REQUIRE_FALSE(result);
+    CHECK(result.error().message.size() > 20);
+    return result.error().code;
+  };
+  IndexedMesh line;
+  line.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+  CHECK(code(line) == ErrorCode::no_triangles);
+  line.triangles = {{0, 1, 2}};
+  CHECK(code(line) == ErrorCode::invalid_mesh);
+  line.triangles = {{0, 1, 1}};
+  CHECK(code(line) == ErrorCode::invalid_mesh);
+  IndexedMesh huge = sheet(1);
+  huge.positions[0].x() = 3e38;
+  CHECK(code(huge) == ErrorCode::invalid_mesh);
+  huge.positions[0].x() = std::numeric_limits<double>::quiet_NaN();
+  CHECK(code(huge) == ErrorCode::invalid_mesh);
+}
+
+}  // namespace fairway::test

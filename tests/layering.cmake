@@ -1,0 +1,51 @@
+# Nobody includes what stands above: core < proto/messages < proto/formats < server. One includer per
+# foreign library. Run: cmake -DROOT=<source dir> -P tests/layering.cmake
+
+cmake_minimum_required(VERSION 3.25)
+
+set(broken "")
+
+# forbid(WHERE PATTERN WHY [ALLOWED...]): no file under WHERE may have an include that matches PATTERN,
+# except the ALLOWED ones.
+function(forbid where pattern why)
+  file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${where}/*.cpp ${ROOT}/${where}/*.h)
+  set(allowed ${ARGN})
+  foreach(file IN LISTS files)
+    if(file IN_LIST allowed)
+      continue()
+    endif()
+    file(STRINGS ${ROOT}/${file} hits REGEX "^[ \t]*#[ \t]*include[ \t]*[<\"](${pattern})")
+    foreach(hit IN LISTS hits)
+      string(APPEND broken "${file}: ${hit}: ${why}\n")
+    endforeach()
+  endforeach()
+  set(broken "${broken}" PARENT_SCOPE)
+endfunction()
+
+get_filename_component(ROOT ${ROOT} ABSOLUTE)
+forbid(core "proto/|server/" "core knows no bytes, JSON, files or processes")
+forbid(core "nlohmann/|httplib|sqlite3|draco/|tiny_gltf|fmt/|sys/|unistd|filesystem|fstream"
+       "core links Eigen and OpenMesh and nothing else")
+forbid(proto/messages "server/|proto/formats/" "messages stand below formats and server")
+forbid(proto/formats "server/" "formats stand below the server")
+forbid(server/os "proto/|server/fairway" "os stands below the programs")
+forbid(server/fairwayd "proto/formats/|server/fairway/" "the service never decodes a mesh")
+forbid(server/fairway "server/fairwayd/|httplib|sqlite3" "the tool knows no HTTP and no database")
+
+# One includer per foreign library.
+foreach(room core proto server)
+  forbid(${room} "OpenMesh/" "only core/halfedge.cpp includes OpenMesh" core/halfedge.cpp)
+  forbid(${room} "draco/" "only proto/formats/draco_decoder.cpp includes Draco"
+         proto/formats/draco_decoder.cpp)
+  forbid(${room} "tiny_gltf" "only proto/formats/fresh_gltf.cpp includes tinygltf"
+         proto/formats/fresh_gltf.cpp)
+  forbid(${room} "sqlite3" "only server/fairwayd/sqlite.cpp includes sqlite"
+         server/fairwayd/sqlite.cpp)
+  forbid(${room} "httplib" "only server/fairwayd/http_engine.cpp includes httplib"
+         server/fairwayd/http_engine.cpp)
+endforeach()
+
+if(broken)
+  message(FATAL_ERROR "Layers are broken:\n${broken}")
+endif()
+message(STATUS "layers hold")

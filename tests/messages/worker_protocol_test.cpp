@@ -1,0 +1,54 @@
+// The lines between fairwayd and its workers.
+
+#include "proto/messages/worker_protocol.h"
+
+#include <catch2/catch.hpp>
+
+namespace fairway::test {
+namespace {
+
+std::string without_newline(std::string line) {
+  REQUIRE(line.back() == '\n');
+  line.pop_back();
+  REQUIRE(line.find('\n') == std::string::npos);
+  return line;
+}
+
+}  // namespace
+
+TEST_CASE("an order survives the wire") {
+  const WorkerOrder order{Format::drc, *parse_parameters(R"({"steps":3,"output":"glb"})")};
+  const Result<WorkerOrder> back = parse_worker_order(without_newline(format_line(order)));
+  REQUIRE(back);
+  CHECK(back->input == Format::drc);
+  CHECK(parameters_document(back->parameters) == parameters_document(order.parameters));
+}
+
+TEST_CASE("events survive the wire") {
+  const auto round_trip = [](const WorkerEvent& event) {
+    Result<WorkerEvent> back = parse_worker_event(without_newline(format_line(event)));
+    REQUIRE(back);
+    return *std::move(back);
+  };
+  const auto progress = std::get<Progress>(round_trip(Progress{"flow", 3, 100, 0.25}));
+  CHECK(progress.stage == "flow");
+  CHECK(progress.step == 3);
+  CHECK(progress.of == 100);
+  CHECK(progress.fraction == 0.25);
+  const auto finished = std::get<Finished>(round_trip(Finished{Format::glb, {{"notes", {"a\nb"}}}}));
+  CHECK(finished.output == Format::glb);
+  CHECK(finished.report["notes"][0] == "a\nb");
+  const auto failed = std::get<Failed>(round_trip(Failed{{ErrorCode::diverged, "No.", "/x"}}));
+  CHECK(failed.error.code == ErrorCode::diverged);
+  CHECK(failed.error.pointer == "/x");
+}
+
+TEST_CASE("lines that are no events are refused") {
+  for (const char* line : {"", "warning: something", "[]", "{}", R"({"event":"dance"})",
+                           R"({"event":"finished","output":"exe","report":{}})",
+                           R"({"event":"failed"})"}) {
+    CHECK_FALSE(parse_worker_event(line));
+  }
+}
+
+}  // namespace fairway::test

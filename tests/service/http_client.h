@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "proto/messages/json.h"
+
+namespace fairway::test {
+
+/// An HTTP answer. Status 0: none came.
+struct Answer {
+  int status = 0;
+  std::map<std::string, std::string> headers;  ///< names in lower case
+  std::string body;
+
+  std::string header(const std::string& lower_name) const;
+  /// The body as JSON; fails the test where it is none.
+  Json json() const;
+  /// "code" of a problem document; fails the test where the body is none.
+  std::string problem() const;
+};
+
+/// A client of a server on the loopback. Every request has a connection of its own.
+class HttpClient {
+ public:
+  explicit HttpClient(std::uint16_t port) : port_(port) {}
+
+  Answer get(const std::string& path) const;
+  Answer remove(const std::string& path) const;
+  Answer put(const std::string& path, const std::string& body) const;
+  Answer post(const std::string& path, const std::string& body = {},
+              const std::string& type = "application/octet-stream") const;
+  /// A multipart upload with the parts mesh and params.
+  Answer post_form(const std::string& path, const std::string& mesh, const std::string& file_name,
+                   const std::string& parameters) const;
+
+  /// Sends bytes as they are and returns all that comes until the server closes, or 2 s are over.
+  std::string raw(std::string_view bytes) const;
+
+ private:
+  std::uint16_t port_;
+};
+
+/// `text` with all that is not a letter or digit percent-encoded.
+std::string percent_encoded(std::string_view text);
+
+}  // namespace fairway::test

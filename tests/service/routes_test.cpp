@@ -1,0 +1,53 @@
+#include "server/fairwayd/routes.h"
+
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "server/os/random_id.h"
+
+using namespace fairway;
+
+TEST_CASE("the paths of the API lead to their places") {
+  const std::string id = random_id();
+  const auto place = [](const std::string& path) {
+    const auto route = route_of(path);
+    REQUIRE(route);
+    return route->place;
+  };
+  CHECK(place("/livez") == Place::livez);
+  CHECK(place("/v1/jobs") == Place::jobs);
+  CHECK(place("/v1/denoise") == Place::denoise);
+  CHECK(place("/v1/jobs/" + id) == Place::job);
+  CHECK(place("/v1/jobs/" + id + "/result") == Place::job_result);
+  CHECK(place("/v1/jobs/" + id + "/cancel") == Place::job_cancel);
+  CHECK(route_of("/v1/jobs/" + id)->job_id == id);
+}
+
+TEST_CASE("other paths lead nowhere") {
+  const std::string id = random_id();
+  const std::vector<std::string> paths = {"",
+                                          "/",
+                                          "/v1/jobs/",
+                                          "/v1/jobsx",
+                                          "/v1/jobs/../../etc/passwd",
+                                          "/v1/jobs/" + id + "x",
+                                          "/v1/jobs/" + id + "/",
+                                          "/v1/jobs/" + id + "/result/",
+                                          "//v1/jobs",
+                                          "/v1/jobs/\n"};
+  for (const std::string& path : paths) {
+    CAPTURE(path);
+    CHECK_FALSE(route_of(path));
+  }
+}
+
+TEST_CASE("a method is allowed exactly where it is listed") {
+  CHECK(is_allowed(Place::jobs, "POST"));
+  CHECK(is_allowed(Place::jobs, "HEAD"));
+  CHECK_FALSE(is_allowed(Place::jobs, "DELETE"));
+  CHECK_FALSE(is_allowed(Place::jobs, "GE"));
+  CHECK_FALSE(is_allowed(Place::livez, ""));
+  CHECK(is_allowed(Place::job, "DELETE"));
+}

@@ -1,0 +1,98 @@
+#include "tests/service/service_process.h"
+
+#include <array>
+#include <csignal>
+#include <fstream>
+
+#include <catch2/catch.hpp>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "server/os/file.h"
+#include "server/os/line_reader.h"
+
+namespace fairway::test {
+namespace {
+
+// Sanitizers reserve terabytes of address space: no limit can hold them.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr const char* kWorkerMemory = "0";
+#else
+constexpr const char* kWorkerMemory = "2147483648";
+#endif
+
+UniqueFd open_or_fail(const char* path, int flags) {
+  auto fd = open_file(path, flags);
+  REQUIRE(fd);
+  return std::move(*fd);
+}
+
+/// FAIRWAY_TEST_LOG=FILE collects what the services under test say.
+UniqueFd log_file() {
+  const char* path = std::getenv("FAIRWAY_TEST_LOG");
+  return open_or_fail(path != nullptr ? path : "/dev/null", O_WRONLY | O_CREAT | O_APPEND);
+}
+
+}  // namespace
+
+ServiceProcess::ServiceProcess(const std::filesystem::path& data,
+                               const std::vector<std::string>& options) {
+  auto ends = socket_pair();
+  REQUIRE(ends);
+  const UniqueFd null = open_or_fail("/dev/null", O_RDONLY);
+  const UniqueFd log = log_file();
+  std::vector<std::string> arguments = {"--data",      data.string(),     "--listen",
+                                        "127.0.0.1:0", "--worker-memory", kWorkerMemory};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  auto process = ChildProcess::spawn(
+      {FAIRWAY_BIN_DIR "/fairwayd", arguments, {}, {null.get(), ends->second.get(), log.get()}});
+  REQUIRE(process);
+  process_.emplace(std::move(*process));
+  ends->second.reset();
+  LineReader lines(ends->first.get(), 1000);
+  std::optional<std::string> line;
+  while (!(line = lines.next())) REQUIRE(lines.fill() == LineReader::Status::data);
+  const std::string announced = "fairwayd: listening on http://127.0.0.1:";
+  REQUIRE(line->starts_with(announced));
+  port_ = static_cast<std::uint16_t>(std::stoi(line->substr(announced.size())));
+}
+
+void ServiceProcess::kill() {
+  process_->kill(SIGKILL);
+  process_->wait();
+}
+
+ExitStatus ServiceProcess::stop() {
+  process_->kill(SIGTERM);
+  return process_->wait();
+}
+
+std::vector<pid_t> ServiceProcess::workers() const {
+  std::vector<pid_t> found;
+  const auto tasks = fmt::format("/proc/{}/task", pid());
+  for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+    std::ifstream children(task.path() / "children");
+    for (pid_t child; children >> child;) found.push_back(child);
+  }
+  return found;
+}
+
+Refusal refused_start(const std::vector<std::string>& arguments) {
+  auto ends = socket_pair();
+  REQUIRE(ends);
+  const UniqueFd null = open_or_fail("/dev/null", O_RDWR);
+  auto process = ChildProcess::spawn(
+      {FAIRWAY_BIN_DIR "/fairwayd", arguments, {}, {null.get(), null.get(), ends->second.get()}});
+  REQUIRE(process);
+  ends->second.reset();
+  Refusal refusal;
+  std::array<char, 1000> chunk;
+  for (ssize_t got; (got = ::read(ends->first.get(), chunk.data(), chunk.size())) > 0;) {
+    refusal.text.append(chunk.data(), static_cast<std::size_t>(got));
+  }
+  refusal.status = process->wait();
+  return refusal;
+}
+
+}  // namespace fairway::test

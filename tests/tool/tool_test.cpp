@@ -1,0 +1,120 @@
+// The tool as a person runs it.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/shapes.h"
+#include "tests/formats/tinygltf_reader.h"
+#include "tests/service/temporary_directory.h"
+#include "tests/tool/run_tool.h"
+
+namespace fairway::test {
+namespace {
+
+/// A directory with an input file in it.
+struct Workplace {
+  explicit Workplace(const Bytes& input, const std::string& name = "in.glb") {
+    in = directory.path() / name;
+    out = directory.path() / "out.glb";
+    write_bytes(in, input);
+  }
+  ToolRun denoise(const std::string& parameters = "{}") const {
+    return run_tool({"denoise", in, out, "--params", parameters});
+  }
+  TemporaryDirectory directory;
+  std::filesystem::path in, out;
+};
+
+IndexedMesh noisy_sphere() { return with_normal_noise(sphere(3, 1.0), 0.2, 1); }
+
+}  // namespace
+
+TEST_CASE("a sphere of radius 2 comes back with k1 = k2 = 0.5 within 1 %") {
+  const Workplace place(glb_of(sphere(4, 2.0)));
+  REQUIRE(place.denoise().exit_code == 0);
+  const OtherReading result = read_with_tinygltf(read_bytes(place.out), Format::glb);
+  REQUIRE(result.loaded);
+  for (const char* name : {"_CURVATURE_K1", "_CURVATURE_K2", "_CURVATURE_MEAN", "_CURVATURE_PREDOMINANT"}) {
+    INFO(name);
+    REQUIRE(result.attributes.count(name) == 1);
+    for (const float k : result.attributes.at(name)) CHECK(k == Approx(0.5F).epsilon(0.01));
+  }
+}
+
+TEST_CASE("a noisy sample comes back better and the comparison says so") {
+  const TemporaryDirectory directory;
+  const std::string noisy = directory.path() / "noisy.glb";
+  const std::string clean = directory.path() / "clean.glb";
+  const std::string result = directory.path() / "result.gltf";
+  REQUIRE(run_tool({"sample", "ring", noisy, "--noise", "0.2", "--clean", clean}).exit_code == 0);
+  const ToolRun run = run_tool({"denoise", noisy, result});
+  CHECK(run.exit_code == 0);
+  CHECK(run.output.find("noise about 0.19") != std::string::npos);
+  const IndexedMesh reference = mesh_of(clean);
+  CHECK(mean_normal_error(reference, mesh_of(noisy)) > 15.0);
+  CHECK(mean_normal_error(reference, mesh_of(result, Format::gltf)) < 2.0);
+  CHECK(run_tool({"compare", clean, noisy}).output.find(" degrees") != std::string::npos);
+}
+
+TEST_CASE("zero steps and method none keep the positions bit for bit and add curvature") {
+  const Workplace place(glb_of(noisy_sphere()));
+  const auto* parameters = GENERATE(R"({"steps":0})", R"({"method":"none"})");
+  REQUIRE(place.denoise(parameters).exit_code == 0);
+  CHECK(mesh_of(place.out).positions == mesh_of(place.in).positions);
+  const OtherReading result = read_with_tinygltf(read_bytes(place.out), Format::glb);
+  CHECK(result.attributes.count("_CURVATURE_DIR2") == 1);
+}
+
+TEST_CASE("curvature attributes are those asked for") {
+  const Workplace place(glb_of(noisy_sphere()));
+  REQUIRE(place.denoise(R"({"curvature":["mean"]})").exit_code == 0);
+  const OtherReading result = read_with_tinygltf(read_bytes(place.out), Format::glb);
+  CHECK(result.attributes.count("_CURVATURE_MEAN") == 1);
+  CHECK(result.attributes.count("_CURVATURE_K1") == 0);
+}
+
+TEST_CASE("broken inputs end with the exit code of their problem and a sentence, no output") {
+  const auto check = [](const Bytes& input, int exit_code, const std::string& parameters = "{}") {
+    const Workplace place(input);
+    const ToolRun run = place.denoise(parameters);
+    CHECK(run.exit_code == exit_code);
+    CHECK(run.output.rfind("fairway: ", 0) == 0);
+    CHECK_FALSE(std::filesystem::exists(place.out));
+  };
+  const Bytes good = glb_of(noisy_sphere());
+  check({good.begin(), good.begin() + 700}, 10);
+  SampleGlb out_of_range = cube_sample();
+  const std::size_t indices = out_of_range.json["meshes"][0]["primitives"][0]["indices"];
+  const std::size_t view = out_of_range.json["accessors"][indices]["bufferView"];
+  const std::size_t offset = out_of_range.json["bufferViews"][view].value("byteOffset", 0);
+  out_of_range.bin[offset] = std::byte{99};
+  check(out_of_range.glb(), 13);
+  IndexedMesh nan = noisy_sphere();
+  nan.positions[3].y() = std::nan("");
+  check(glb_of(nan), 13);
+  check(text_bytes("\x89PNG\r\n\x1a\n not a mesh"), 11);
+  check(good, 16, R"({"stepz":3})");
+  check(good, 15, R"({"steps":)");
+}
+
+TEST_CASE("the wrong command line is explained and exits with 2") {
+  CHECK(run_tool({}).exit_code == 2);
+  CHECK(run_tool({"dance"}).exit_code == 2);
+  CHECK(run_tool({"denoise", "only-one"}).exit_code == 2);
+  CHECK(run_tool({"sample", "cat", "cat.glb"}).exit_code == 2);
+  CHECK(run_tool({"denoise", "/nowhere/in.glb", "/nowhere/out.exe"}).exit_code == 2);
+  CHECK(run_tool({"denoise", "/nowhere/in.glb", "/nowhere/out.glb"}).exit_code == 40);
+  const ToolRun help = run_tool({"denoise", "--help"});
+  CHECK(help.exit_code == 0);
+  CHECK(help.output.find("--params") != std::string::npos);
+}
+
+TEST_CASE("parameters may stand in a file") {
+  const Workplace place(glb_of(noisy_sphere()));
+  const std::string file = place.directory.path() / "params.json";
+  write_bytes(file, text_bytes(R"({"steps":0})"));
+  CHECK(place.denoise(file).exit_code == 0);
+  CHECK(mesh_of(place.out).positions == mesh_of(place.in).positions);
+}
+
+}  // namespace fairway::test
