@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/execution.h"
 #include "core/flow_options.h"
 #include "core/mesh.h"
 #include "core/result.h"
@@ -53,6 +54,7 @@ using FlowObserver = std::function<void(const FlowStep&)>;
 /// Deterministic. Errors: diverged (a position not finite or outside ten
 /// bounding boxes, with the step), canceled (stop requested; looked at between steps).
 Result<Denoised> denoise(const TriangleMesh& surface, const FlowOptions& options,
-                         const FlowObserver& observer = {}, std::stop_token stop = {});
+                         const FlowObserver& observer = {}, std::stop_token stop = {},
+                         const Execution& execution = {});
 
 }  // namespace fairway

@@ -2,14 +2,11 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstdint>
 #include <vector>
 
-namespace fairway {
+#include "core/index.h"
 
-/// The one index type for vertices, faces and edges.
-using Index = std::uint32_t;
-inline constexpr Index kNoIndex = ~Index{0};
+namespace fairway {
 
 using Vec3 = Eigen::Vector3d;
 using Triangle = std::array<Index, 3>;

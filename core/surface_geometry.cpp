@@ -39,8 +39,15 @@ double mixed_share(const Vec3& p, const Vec3& q, const Vec3& r, double area) {
 
 double mean_edge_length(const TriangleMesh& mesh, std::span<const Vec3> positions) {
   double sum = 0.0;
-  for (const Edge& e : mesh.edges()) sum += (positions[e.q] - positions[e.p]).norm();
-  return sum / static_cast<double>(mesh.edges().size());
+  std::size_t count = 0;
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    for (const Index q : mesh.rings()[v]) {
+      if (q < v) continue;
+      sum += (positions[q] - positions[v]).norm();
+      ++count;
+    }
+  }
+  return sum / static_cast<double>(count);
 }
 
 FaceGeometry face_geometry(const TriangleMesh& mesh, std::span<const Vec3> positions,

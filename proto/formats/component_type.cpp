@@ -110,16 +110,17 @@ double read_component(ComponentType type, const std::byte* data) {
   return load<float>(data);
 }
 
-double decode_component(ComponentType type, bool normalized, double stored) {
-  if (!normalized || type == ComponentType::f32) return stored;
-  return std::max(stored / limits_of(type).high, -1.0);
+double decode_component(const ComponentEncoding& encoding, double stored) {
+  if (!encoding.normalized || encoding.type == ComponentType::f32) return stored;
+  return std::max(stored / limits_of(encoding.type).high, -1.0);
 }
 
-double encode_component(ComponentType type, bool normalized, double value) {
-  if (type == ComponentType::f32) return static_cast<double>(static_cast<float>(value));
-  const Limits limits = limits_of(type);
+double encode_component(const ComponentEncoding& encoding, double value) {
+  if (encoding.type == ComponentType::f32) return static_cast<double>(static_cast<float>(value));
+  const Limits limits = limits_of(encoding.type);
   if (std::isnan(value)) return 0.0;
-  return std::clamp(std::round(normalized ? value * limits.high : value), limits.low, limits.high);
+  return std::clamp(std::round(encoding.normalized ? value * limits.high : value), limits.low,
+                    limits.high);
 }
 
 void append_component(ComponentType type, double value, std::vector<std::byte>& out) {

@@ -37,11 +37,17 @@ std::size_t element_size(ComponentType type, std::string_view type_name);
 /// The component at `data` as it is stored; exact.
 double read_component(ComponentType type, const std::byte* data);
 
-/// A stored component as the value it stands for: normalized integers become [-1, 1] or [0, 1].
-double decode_component(ComponentType type, bool normalized, double stored);
+/// How numbers become components.
+struct ComponentEncoding {
+  ComponentType type = ComponentType::f32;
+  bool normalized = false;  ///< integers stand for [-1, 1] or [0, 1]
+};
+
+/// A stored component as the value it stands for.
+double decode_component(const ComponentEncoding& encoding, double stored);
 
 /// The inverse of decode_component(): rounded and clamped to what the type holds.
-double encode_component(ComponentType type, bool normalized, double value);
+double encode_component(const ComponentEncoding& encoding, double value);
 
 /// Stores `value` as the type has it (a value that encode_component() made).
 void append_component(ComponentType type, double value, std::vector<std::byte>& out);

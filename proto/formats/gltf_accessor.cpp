@@ -84,7 +84,7 @@ Result<std::vector<double>> read_values(const GltfTables& tables, std::size_t in
   auto out = read_stored(tables, index);
   const GltfAccessor& accessor = tables.accessors[index];
   if (!out || !accessor.normalized) return out;
-  for (double& value : *out) value = decode_component(accessor.type, true, value);
+  for (double& value : *out) value = decode_component({accessor.type, true}, value);
   return out;
 }
 

@@ -14,8 +14,8 @@ void convert(const DracoAttribute& from, const GltfAccessor& to, std::vector<dou
   // Integers keep their meaning; floats become the integers that the accessor decodes to them.
   const bool scaled = from.normalized || (to.normalized && !from_integer);
   for (double& value : values) {
-    const double meant = from.type ? decode_component(*from.type, from.normalized, value) : value;
-    value = encode_component(to.type, scaled, meant);
+    const double meant = from.type ? decode_component({*from.type, from.normalized}, value) : value;
+    value = encode_component({to.type, scaled}, meant);
   }
 }
 
@@ -85,7 +85,7 @@ Result<std::vector<double>> draco_values(const DracoMesh& mesh, const DracoAttri
   auto values = stored_values(mesh, attribute, accessor);
   if (!values) return values;
   for (double& value : *values) {
-    value = decode_component(accessor.type, accessor.normalized, value);
+    value = decode_component({accessor.type, accessor.normalized}, value);
   }
   return values;
 }

@@ -32,7 +32,7 @@ Json bounds_of(const std::vector<double>& values, ComponentType type) {
   return out;
 }
 
-void describe(const PackedValues& values, std::size_t view, bool bounds, Json& accessor) {
+void describe(const PackedValues& values, std::size_t view, Bounds bounds, Json& accessor) {
   accessor["bufferView"] = view;
   accessor.erase("byteOffset");
   accessor.erase("sparse");
@@ -43,7 +43,7 @@ void describe(const PackedValues& values, std::size_t view, bool bounds, Json& a
   accessor["type"] = vector_type_name(values.components);
   accessor.erase("min");
   accessor.erase("max");
-  if (!bounds) return;
+  if (bounds == Bounds::left_out) return;
   accessor["min"] = bounds_of(values.min, values.type);
   accessor["max"] = bounds_of(values.max, values.type);
 }
@@ -78,7 +78,7 @@ std::size_t GltfOutput::add_view(const PackedValues& values, ViewTarget target) 
   return views.size() - 1;
 }
 
-std::size_t GltfOutput::add_accessor(const PackedValues& values, ViewTarget target, bool bounds) {
+std::size_t GltfOutput::add_accessor(const PackedValues& values, ViewTarget target, Bounds bounds) {
   Json accessor = Json::object();
   describe(values, add_view(values, target), bounds, accessor);
   Json& accessors = array_of(json_, "accessors");
@@ -87,7 +87,7 @@ std::size_t GltfOutput::add_accessor(const PackedValues& values, ViewTarget targ
 }
 
 void GltfOutput::fill_accessor(std::size_t index, const PackedValues& values, ViewTarget target,
-                               bool bounds) {
+                               Bounds bounds) {
   const std::size_t view = add_view(values, target);
   describe(values, view, bounds, json_["accessors"][index]);
 }

@@ -33,11 +33,12 @@ class GltfOutput {
   Json& json() { return json_; }
 
   /// Appends the values with a view of their own and describes them in a new accessor, which this
-  /// returns. `bounds` writes min and max.
-  std::size_t add_accessor(const PackedValues& values, ViewTarget target, bool bounds);
+  /// returns.
+  std::size_t add_accessor(const PackedValues& values, ViewTarget target, Bounds bounds);
 
   /// The same for an accessor that is there: its name, extras and extensions stay.
-  void fill_accessor(std::size_t index, const PackedValues& values, ViewTarget target, bool bounds);
+  void fill_accessor(std::size_t index, const PackedValues& values, ViewTarget target,
+                     Bounds bounds);
 
   /// The file. Error: too_large.
   Result<std::vector<std::byte>> finish();

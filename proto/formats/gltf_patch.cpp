@@ -13,6 +13,7 @@
 
 #include "proto/formats/gltf_accessor.h"
 #include "proto/formats/gltf_extensions.h"
+#include "proto/formats/gltf_references.h"
 
 namespace fairway {
 namespace {
@@ -42,46 +43,6 @@ Result<void> check_result(const Surface& surface, const SurfaceResult& result) {
     }
   }
   return {};
-}
-
-void count_references(const Json& json, std::vector<std::size_t>& counts) {
-  if (json.is_number_unsigned() && json.get<std::uint64_t>() < counts.size()) {
-    ++counts[json.get<std::size_t>()];
-  }
-}
-
-void count_members(const Json& object, std::vector<std::size_t>& counts) {
-  if (!object.is_object()) return;
-  for (const auto& item : object.items()) count_references(item.value(), counts);
-}
-
-const Json& member(const Json& object, const char* key) {
-  static const Json kNone;
-  if (!object.is_object()) return kNone;
-  const auto it = object.find(key);
-  return it == object.end() ? kNone : *it;
-}
-
-/// How many primitives, morph targets, skins and animations name each accessor.
-std::vector<std::size_t> accessor_references(const Json& root, std::size_t accessors) {
-  std::vector<std::size_t> counts(accessors, 0);
-  for (const Json& mesh : member(root, "meshes")) {
-    for (const Json& primitive : member(mesh, "primitives")) {
-      count_members(member(primitive, "attributes"), counts);
-      count_references(member(primitive, "indices"), counts);
-      for (const Json& target : member(primitive, "targets")) count_members(target, counts);
-    }
-  }
-  for (const Json& skin : member(root, "skins")) {
-    count_references(member(skin, "inverseBindMatrices"), counts);
-  }
-  for (const Json& animation : member(root, "animations")) {
-    for (const Json& sampler : member(animation, "samplers")) {
-      count_references(member(sampler, "input"), counts);
-      count_references(member(sampler, "output"), counts);
-    }
-  }
-  return counts;
 }
 
 /// The tangent of glTF (w is the handedness) made perpendicular to a new normal.
@@ -133,7 +94,7 @@ class SurfacePatch {
   Result<void> straighten_tangents(const SurfacePrimitive& primitive, std::size_t accessor);
   void add_attributes(const SurfacePrimitive& primitive);
   std::size_t place(const Key& key, std::optional<std::size_t> label, const PackedValues& values,
-                    ViewTarget target, bool bounds);
+                    ViewTarget target, Bounds bounds);
   std::optional<std::size_t> label_of(const SurfacePrimitive& primitive,
                                       std::string_view name) const;
 
@@ -148,7 +109,7 @@ class SurfacePatch {
 
 /// The accessor made for `key`, now or before. A `label` that only this primitive names is filled.
 std::size_t SurfacePatch::place(const Key& key, std::optional<std::size_t> label,
-                                const PackedValues& values, ViewTarget target, bool bounds) {
+                                const PackedValues& values, ViewTarget target, Bounds bounds) {
   const auto found = made_.find(key);
   if (found != made_.end()) return found->second;
   std::size_t index = 0;
@@ -265,27 +226,6 @@ Result<void> SurfacePatch::patch(const SurfacePrimitive& primitive) {
   return {};
 }
 
-bool any_primitive_uses_draco(const Json& root) {
-  for (const Json& mesh : member(root, "meshes")) {
-    for (const Json& primitive : member(mesh, "primitives")) {
-      if (member(primitive, "extensions").contains(kDracoExtension)) return true;
-    }
-  }
-  return false;
-}
-
-void forget_draco(Json& root) {
-  if (any_primitive_uses_draco(root)) return;
-  for (const char* key : {"extensionsUsed", "extensionsRequired"}) {
-    const auto list = root.find(key);
-    if (list == root.end()) continue;
-    for (std::size_t i = list->size(); i-- > 0;) {
-      if ((*list)[i] == kDracoExtension) list->erase(i);
-    }
-    if (list->empty()) root.erase(key);
-  }
-}
-
 }  // namespace
 
 Result<void> patch_surfaces(const GltfTables& tables, const GltfLayout& layout,
@@ -302,7 +242,7 @@ Result<void> patch_surfaces(const GltfTables& tables, const GltfLayout& layout,
                        output);
     if (auto done = patch.run(); !done) return done;
   }
-  if (!layout.draco_meshes.empty()) forget_draco(output.json());
+  if (!layout.draco_meshes.empty()) forget_unused_draco(output.json());
   return {};
 }
 

@@ -11,17 +11,19 @@
 namespace fairway {
 namespace {
 
+enum class Alignment { tight, four };
+
 /// Appends elements one after the other and keeps their bounds.
 class Packer {
  public:
-  Packer(const Packing& packing, std::size_t count, bool aligned) {
+  Packer(const Packing& packing, std::size_t count, Alignment alignment) {
     out_.type = packing.type;
     out_.normalized = packing.normalized;
     out_.components = packing.components;
     out_.count = count;
     const auto components = static_cast<std::size_t>(packing.components);
     const std::size_t tight = size_of(packing.type) * components;
-    out_.stride = aligned ? (tight + 3) / 4 * 4 : tight;
+    out_.stride = alignment == Alignment::four ? (tight + 3) / 4 * 4 : tight;
     out_.bytes.reserve(count * out_.stride);
     out_.min.assign(components, std::numeric_limits<double>::infinity());
     out_.max.assign(components, -std::numeric_limits<double>::infinity());
@@ -57,20 +59,21 @@ ComponentType index_type(Index vertex_count, ComponentType least) {
 }  // namespace
 
 PackedValues pack_values(std::span<const double> values, const Packing& packing) {
-  Packer packer(packing, values.size() / static_cast<std::size_t>(packing.components), true);
+  Packer packer(packing, values.size() / static_cast<std::size_t>(packing.components),
+                Alignment::four);
   for (const double value : values) packer.add(value);
   return packer.take();
 }
 
 PackedValues pack_floats(std::span<const float> values, int components) {
   const Packing packing{ComponentType::f32, false, components};
-  Packer packer(packing, values.size() / static_cast<std::size_t>(components), true);
+  Packer packer(packing, values.size() / static_cast<std::size_t>(components), Alignment::four);
   for (const float value : values) packer.add(static_cast<double>(value));
   return packer.take();
 }
 
 PackedValues pack_vectors(std::span<const Vec3> vectors) {
-  Packer packer({ComponentType::f32, false, 3}, vectors.size(), true);
+  Packer packer({ComponentType::f32, false, 3}, vectors.size(), Alignment::four);
   for (const Vec3& vector : vectors) {
     for (int c = 0; c < 3; ++c) packer.add(vector[c]);
   }
@@ -79,7 +82,8 @@ PackedValues pack_vectors(std::span<const Vec3> vectors) {
 
 PackedValues pack_triangles(std::span<const Triangle> triangles, Index vertex_count,
                             ComponentType least) {
-  Packer packer({index_type(vertex_count, least), false, 1}, triangles.size() * 3, false);
+  Packer packer({index_type(vertex_count, least), false, 1}, triangles.size() * 3,
+                Alignment::tight);
   for (const Triangle& triangle : triangles) {
     for (const Index index : triangle) packer.add(static_cast<double>(index));
   }

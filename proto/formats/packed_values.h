@@ -22,6 +22,9 @@ struct PackedValues {
   bool is_tight() const { return stride == size_of(type) * static_cast<std::size_t>(components); }
 };
 
+/// Whether an accessor states the least and greatest values of its elements.
+enum class Bounds { left_out, stated };
+
 /// How pack_values() stores a vertex attribute.
 struct Packing {
   ComponentType type = ComponentType::f32;

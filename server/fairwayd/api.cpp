@@ -24,11 +24,18 @@ HttpResponse json_response(const Json& json, int status = 200) {
   return response;
 }
 
-/// A refused upload is not read on: its connection ends.
-HttpResponse refused_upload(const Error& error) {
-  HttpResponse response = problem_response(error);
-  response.close = true;
-  return response;
+/// An error as a client may see it: what the system says about files and paths stays in the log.
+Error public_error(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::storage_full:
+      return {error.code, "The server's storage is full: try again later."};
+    case ErrorCode::io:
+      return {error.code, "The server could not read or write its storage: try again later."};
+    case ErrorCode::internal:
+      return {error.code, "The server met a defect of its own."};
+    default:
+      return error;
+  }
 }
 
 /// "?state=…&limit=…"; anything else is refused.
@@ -104,21 +111,36 @@ HttpResponse Api::answer_place(const Route& route, const HttpRequest& request, B
   return problem_response({ErrorCode::internal, "A place without an answer."});
 }
 
+HttpResponse Api::refuse(const Error& error) const {
+  HttpResponse response = problem_response(public_error(error));
+  if (response.status >= 500) {
+    log_.write(LogLevel::error, "request_failed", {{"reason", error.message}});
+  }
+  return response;
+}
+
+/// A refused upload is not read on: its connection ends.
+HttpResponse Api::refuse_upload(const Error& error) const {
+  HttpResponse response = refuse(error);
+  response.close = true;
+  return response;
+}
+
 HttpResponse Api::submit_job(const HttpRequest& request, BodySource& body) {
   const auto job = submit(request, body);
-  return job ? job_response(*job, 202) : refused_upload(job.error());
+  return job ? job_response(*job, 202) : refuse_upload(job.error());
 }
 
 HttpResponse Api::denoise(const HttpRequest& request, BodySource& body) {
   const auto job = submit(request, body);
-  return job ? wait_for_result(*job, request) : refused_upload(job.error());
+  return job ? wait_for_result(*job, request) : refuse_upload(job.error());
 }
 
 HttpResponse Api::list_jobs(const HttpRequest& request) {
   const auto query = job_query(request);
-  if (!query) return problem_response(query.error());
+  if (!query) return refuse(query.error());
   const auto jobs = jobs_.list(*query);
-  if (!jobs) return problem_response(jobs.error());
+  if (!jobs) return refuse(jobs.error());
   Json documents = Json::array();
   for (const Job& job : *jobs) documents.push_back(document_of(job));
   return json_response(Json{{"jobs", std::move(documents)}});
@@ -126,24 +148,24 @@ HttpResponse Api::list_jobs(const HttpRequest& request) {
 
 HttpResponse Api::show_job(const std::string& id) {
   const auto job = jobs_.find(id);
-  return job ? job_response(*job, 200) : problem_response(job.error());
+  return job ? job_response(*job, 200) : refuse(job.error());
 }
 
 HttpResponse Api::show_result(const std::string& id) {
   const auto job = jobs_.find(id);
-  return job ? result_of(*job) : problem_response(job.error());
+  return job ? result_of(*job) : refuse(job.error());
 }
 
 HttpResponse Api::cancel_job(const std::string& id) {
   const auto job = cancel(id);
-  return job ? job_response(*job, 200) : problem_response(job.error());
+  return job ? job_response(*job, 200) : refuse(job.error());
 }
 
 HttpResponse Api::delete_job(const std::string& id) {
   const auto ended = cancel(id);
-  if (!ended) return problem_response(ended.error());
+  if (!ended) return refuse(ended.error());
   const auto job = jobs_.expire(id);
-  if (!job) return problem_response(job.error());
+  if (!job) return refuse(job.error());
   if (ended->result) {
     if (auto removed = blobs_.remove(ended->result->key); !removed) {
       log_.write(LogLevel::warning, "result_not_removed",
@@ -201,11 +223,13 @@ HttpResponse Api::wait_for_result(const Job& submitted, const HttpRequest& reque
     const auto job = jobs_.find(submitted.id);
     HttpResponse response;
     if (!job) {
-      response = problem_response(job.error());
+      response = refuse(job.error());
     } else if (is_final(job->state)) {
       response = result_of(*job);
     } else if (!request.client_is_there()) {
-      const auto canceled = cancel(submitted.id);
+      // Where the cancel cannot be written the job runs to its end, as one without a waiting
+      // client.
+      [[maybe_unused]] const auto canceled = cancel(submitted.id);
       response = problem_response({ErrorCode::canceled, "The client hung up."});
       response.close = true;
     } else if (stop_.stop_requested()) {
@@ -238,7 +262,7 @@ HttpResponse Api::result_of(const Job& job) {
     return response;
   }
   auto file = blobs_.open(job.result->key);
-  if (!file) return problem_response(file.error());
+  if (!file) return refuse(file.error());
   HttpResponse response;
   response.content_type = media_type_of(job.result_format);
   response.file = FileBody{std::move(*file), job.result->bytes};

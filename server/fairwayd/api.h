@@ -47,6 +47,8 @@ class Api final : public HttpApplication {
   Result<Job> cancel(const std::string& id);
   HttpResponse wait_for_result(const Job& submitted, const HttpRequest& request);
   HttpResponse result_of(const Job& job);
+  HttpResponse refuse(const Error& error) const;
+  HttpResponse refuse_upload(const Error& error) const;
   Json document_of(const Job& job) const;
   HttpResponse job_response(const Job& job, int status) const;
 

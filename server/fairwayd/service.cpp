@@ -7,6 +7,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "server/fairwayd/api.h"
@@ -86,6 +87,7 @@ void wait_for(const sigset_t& signals) {
 
 Result<void> run_service(const Settings& settings) {
   const sigset_t signals = block_stop_signals();
+  ::umask(077);  // meshes are their owners' business, and no other user's of this machine
   const Log log(STDERR_FILENO);
   auto worker = worker_program(settings);
   if (!worker) return worker.error();

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "proto/messages/problem.h"
+
 namespace fairway {
 namespace {
 
@@ -121,7 +123,7 @@ void Supervisor::execute(Slot& slot, const Claim& claim, std::stop_token stop) {
     pause(kLookEvery, stop);
   } else if (auto end = run_process(slot, claim, **output, stop); end) {
     settle(claim, std::move(*end), **output, stop);
-  } else if (end.error().code == ErrorCode::unavailable) {
+  } else if (may_pass(end.error().code)) {
     log_.write(LogLevel::error, "worker_not_started",
                {{"job", claim.job.id}, {"reason", end.error().message}});
     hand_back(claim);
@@ -231,7 +233,8 @@ void Supervisor::conclude(const Claim& claim, const Result<Job>& written) {
              {{"job", claim.job.id},
               {"state", name_of(written->state)},
               {"attempt", written->attempt},
-              {"revision", written->revision}});
+              {"revision", written->revision},
+              {"problem", written->problem ? problem_kind(written->problem->code).slug : ""}});
 }
 
 void Supervisor::pause(milliseconds time, std::stop_token stop) {

@@ -72,7 +72,7 @@ class Conversation {
   WorkerEnd follow(const WorkerOrder& order);
 
  private:
-  bool send(const std::string& line) const;
+  void send(const std::string& line) const;
   void wait_for_something() const;
   void read_lines();
   void hear(const std::string& line);
@@ -92,8 +92,9 @@ class Conversation {
 };
 
 WorkerEnd Conversation::follow(const WorkerOrder& order) {
-  // A worker that died before reading makes this fail; its exit status tells more than the error.
-  socket_open_ = send(format_line(order));
+  // This fails where the worker has ended before reading; what it said until then, and its exit
+  // status, tell more than the failure.
+  send(format_line(order));
   while (true) {
     wait_for_something();
     if (socket_open_) read_lines();
@@ -109,16 +110,15 @@ WorkerEnd Conversation::follow(const WorkerOrder& order) {
   }
 }
 
-bool Conversation::send(const std::string& line) const {
+void Conversation::send(const std::string& line) const {
   std::string_view rest = line;
   while (!rest.empty()) {
     // A worker that never reads cannot hold the supervisor: an order fits into the socket's buffer
     // in practice, and where it does not, SO_SNDTIMEO ends the wait.
     const ssize_t sent = ::send(socket_, rest.data(), rest.size(), MSG_NOSIGNAL);
-    if (sent <= 0) return false;
+    if (sent <= 0) return;
     rest.remove_prefix(static_cast<std::size_t>(sent));
   }
-  return true;
 }
 
 void Conversation::wait_for_something() const {

@@ -102,6 +102,50 @@ TEST_CASE("an edge with three faces and a flipped neighbour become boundaries") 
   CHECK(built(flipped).counts().boundary_edges == 6);
 }
 
+TEST_CASE("a slit between two vertices stays open for rings and edges alike") {
+  // Two tubes that touch in one edge: four faces at it, each tube's two are no pair of its own.
+  IndexedMesh mesh;
+  for (const double side : {1.0, -1.0}) {
+    const auto first = static_cast<Index>(mesh.positions.size());
+    for (const auto& [x, y] : {std::pair(0.0, 0.0), std::pair(side, 0.5), std::pair(side, -0.5)}) {
+      for (const double z : {0.0, 1.0}) mesh.positions.emplace_back(x, y, z);
+    }
+    for (Index k = 0; k < 3; ++k) {
+      const Index a = first + 2 * k;
+      const Index b = first + 2 * ((k + 1) % 3);
+      mesh.triangles.push_back({a, b, b + 1});
+      mesh.triangles.push_back({a, b + 1, a + 1});
+    }
+  }
+  const TriangleMesh surface = built(mesh);
+  std::size_t boundary = 0;
+  for (const Edge& e : surface.edges()) boundary += e.interior() ? 0 : 1;
+  CHECK(boundary == surface.counts().boundary_edges);
+  std::size_t ring_ends = 0;
+  for (const unsigned char b : surface.boundary_vertex()) ring_ends += b;
+  CHECK(ring_ends == surface.vertex_count());
+  CHECK(boundary == 16);
+}
+
+TEST_CASE("rings run counter-clockwise and span the faces") {
+  const TriangleMesh surface = built(GENERATE(sphere(2, 1.0), sheet(5), ring(12, 1)));
+  std::vector<Triangle> from_rings;
+  for (Index v = 0; v < surface.vertex_count(); ++v) {
+    const auto around = surface.rings()[v];
+    const std::size_t faces = around.size() - surface.boundary_vertex()[v];
+    for (std::size_t k = 0; k < faces; ++k) {
+      const Index a = around[k];
+      const Index b = around[(k + 1) % around.size()];
+      if (v < a && v < b) from_rings.push_back({v, a, b});
+    }
+  }
+  std::vector<Triangle> faces = surface.faces();
+  for (Triangle& f : faces) std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
+  std::sort(faces.begin(), faces.end());
+  std::sort(from_rings.begin(), from_rings.end());
+  CHECK(faces == from_rings);
+}
+
 TEST_CASE("an open sheet has one boundary loop and knows its boundary vertices") {
   const TriangleMesh surface = built(sheet(4));
   CHECK(surface.counts().boundary_edges == 16);

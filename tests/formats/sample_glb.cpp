@@ -206,10 +206,14 @@ void add_ramp(const Document& document, const std::string& name, int components,
   }
 }
 
-std::unique_ptr<Document> decoded(const Bytes& bytes, Format format) {
-  auto document = decode(bytes, format);
+Decoded::Decoded(Bytes bytes, Format format) : bytes_(std::move(bytes)) {
+  auto document = decode(bytes_, format);
   if (!document) FAIL(document.error().message);
-  return *std::move(document);
+  document_ = *std::move(document);
+}
+
+Decoded decoded(Bytes bytes, Format format) {
+  return {std::move(bytes), format};
 }
 
 std::vector<float> floats_of(const SampleGlb& sample, std::size_t accessor) {

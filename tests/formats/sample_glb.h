@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -66,8 +67,20 @@ std::vector<SurfaceResult> unmoved(const Document& document);
 void add_ramp(const Document& document, const std::string& name, int components,
               std::vector<SurfaceResult>& results);
 
+/// A document together with the bytes it refers to.
+class Decoded {
+ public:
+  Decoded(Bytes bytes, Format format);
+  const Document& operator*() const { return *document_; }
+  const Document* operator->() const { return document_.get(); }
+
+ private:
+  Bytes bytes_;
+  std::unique_ptr<Document> document_;
+};
+
 /// decode(), or the failure of the test.
-std::unique_ptr<Document> decoded(const Bytes& bytes, Format format = Format::glb);
+Decoded decoded(Bytes bytes, Format format = Format::glb);
 
 /// The floats of a float accessor over a plain view of the BIN chunk.
 std::vector<float> floats_of(const SampleGlb& sample, std::size_t accessor);

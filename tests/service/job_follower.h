@@ -23,7 +23,7 @@ Json follow(const HttpClient& client, const std::string& path, const Enough& eno
     if (enough(job)) return job;
     CAPTURE(job.dump());
     REQUIRE(std::chrono::steady_clock::now() < until);
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }
 

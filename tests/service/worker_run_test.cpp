@@ -76,6 +76,13 @@ echo ')" +
   CHECK(f.texts == std::vector<std::string>{"some library: warning"});
 }
 
+TEST_CASE("what a worker said before it ended is heard, however fast it was") {
+  for (int i = 0; i < 50; ++i) {
+    Fixture f;
+    REQUIRE(std::holds_alternative<Finished>(f.run("echo '" + kFinished + "' >&2")));
+  }
+}
+
 TEST_CASE("a worker that names a problem has failed, whatever its exit code") {
   Fixture f;
   const auto end = f.run(

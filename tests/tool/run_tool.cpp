@@ -55,7 +55,7 @@ Bytes glb_of(const IndexedMesh& mesh) {
 
 IndexedMesh mesh_of(const std::filesystem::path& path, Format format) {
   const Bytes bytes = read_bytes(path);
-  const std::unique_ptr<Document> document = decoded(bytes, format);
+  const Decoded document = decoded(bytes, format);
   REQUIRE(document->surfaces().size() == 1);
   return document->surfaces()[0].mesh;
 }

@@ -1,0 +1,63 @@
+// Chooses kernels for the processor at hand.
+
+#include "core/flow_kernels.h"
+
+namespace fairway {
+
+namespace portable {
+const FlowKernels<float>& single_kernels();
+const FlowKernels<double>& double_kernels();
+}  // namespace portable
+#ifdef FAIRWAY_X86_KERNELS
+namespace avx2 {
+const FlowKernels<float>& single_kernels();
+const FlowKernels<double>& double_kernels();
+}  // namespace avx2
+namespace avx512 {
+const FlowKernels<float>& single_kernels();
+const FlowKernels<double>& double_kernels();
+}  // namespace avx512
+#endif
+
+Isa best_isa() {
+#ifdef FAIRWAY_X86_KERNELS
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw")) {
+    return Isa::avx512;
+  }
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return Isa::avx2;
+#endif
+  return Isa::portable;
+}
+
+const char* name_of(Isa isa) {
+  switch (isa) {
+    case Isa::avx2: return "avx2";
+    case Isa::avx512: return "avx512";
+    case Isa::portable: break;
+  }
+  return "portable";
+}
+
+template <>
+const FlowKernels<float>& flow_kernels<float>(Isa isa) {
+#ifdef FAIRWAY_X86_KERNELS
+  if (isa == Isa::avx512) return avx512::single_kernels();
+  if (isa == Isa::avx2) return avx2::single_kernels();
+#endif
+  (void)isa;
+  return portable::single_kernels();
+}
+
+template <>
+const FlowKernels<double>& flow_kernels<double>(Isa isa) {
+#ifdef FAIRWAY_X86_KERNELS
+  if (isa == Isa::avx512) return avx512::double_kernels();
+  if (isa == Isa::avx2) return avx2::double_kernels();
+#endif
+  (void)isa;
+  return portable::double_kernels();
+}
+
+}  // namespace fairway

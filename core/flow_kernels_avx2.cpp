@@ -1,0 +1,4 @@
+// The kernels for AVX2 processors.
+
+#define FAIRWAY_KERNELS_NAMESPACE avx2
+#include "core/flow_kernels_impl.h"

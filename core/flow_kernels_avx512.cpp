@@ -1,0 +1,4 @@
+// The kernels for AVX512 processors.
+
+#define FAIRWAY_KERNELS_NAMESPACE avx512
+#include "core/flow_kernels_impl.h"

@@ -1,0 +1,138 @@
+// The order in which the kernels see a surface.
+
+#include "core/packed_mesh.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+namespace fairway {
+namespace {
+
+constexpr std::size_t kWindow = 2048;
+// Bits of a Morton code per axis: 1024³ cells.
+constexpr unsigned kAxisBits = 10;
+
+/// Moves the ten low bits of x three places apart.
+std::uint32_t spread_bits(std::uint32_t x) {
+  x = (x | x << 16U) & 0x030000FFU;
+  x = (x | x << 8U) & 0x0300F00FU;
+  x = (x | x << 4U) & 0x030C30C3U;
+  return (x | x << 2U) & 0x09249249U;
+}
+
+struct Keyed {
+  std::uint32_t key;
+  Index vertex;
+};
+
+std::vector<Keyed> morton_codes(const std::vector<Vec3>& positions) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : positions) box.extend(p);
+  const double size = box.sizes().maxCoeff();
+  const double scale = size > 0.0 ? ((1U << kAxisBits) - 1) / size : 0.0;
+  std::vector<Keyed> out(positions.size());
+  for (Index v = 0; v < positions.size(); ++v) {
+    const Vec3 cell = (positions[v] - box.min()) * scale;
+    out[v] = {spread_bits(static_cast<std::uint32_t>(cell.x())) |
+                  spread_bits(static_cast<std::uint32_t>(cell.y())) << 1U |
+                  spread_bits(static_cast<std::uint32_t>(cell.z())) << 2U,
+              v};
+  }
+  return out;
+}
+
+/// Stable radix sort of 30-bit keys.
+void sort_by_key(std::vector<Keyed>& items) {
+  constexpr unsigned kDigitBits = kAxisBits;
+  std::vector<Keyed> other(items.size());
+  for (unsigned shift = 0; shift < 3 * kAxisBits; shift += kDigitBits) {
+    std::array<Index, 1U << kDigitBits> place{};
+    const auto digit = [shift](std::uint32_t key) { return key >> shift & ((1U << kDigitBits) - 1); };
+    for (const Keyed& item : items) ++place[digit(item.key)];
+    Index sum = 0;
+    for (Index& p : place) sum = std::exchange(p, sum) + sum;
+    for (const Keyed& item : items) other[place[digit(item.key)]++] = item;
+    items.swap(other);
+  }
+}
+
+std::uint64_t kind_of(const TriangleMesh& mesh, Index v) {
+  return 2 * std::uint64_t{mesh.rings()[v].size()} + mesh.boundary_vertex()[v];
+}
+
+}  // namespace
+
+PackedMesh::PackedMesh(const TriangleMesh& mesh) {
+  std::vector<Keyed> keyed = morton_codes(mesh.positions());
+  sort_by_key(keyed);
+  std::vector<Index> order(keyed.size());
+  std::transform(keyed.begin(), keyed.end(), order.begin(), [](const Keyed& k) { return k.vertex; });
+  slot_of_vertex_.resize(order.size());
+  vertex_of_slot_.reserve(order.size() + order.size() / 16 + 64);
+  for (std::size_t first = 0; first < order.size(); first += kWindow) {
+    fill_window(mesh, std::span(order).subspan(first, std::min(kWindow, order.size() - first)));
+  }
+  make_rings(mesh);
+}
+
+/// Groups a window's vertices by valence and kind, each group in Morton order.
+void PackedMesh::fill_window(const TriangleMesh& mesh, std::span<Index> window) {
+  constexpr std::uint64_t kUsual = 64;  // kinds below valence 32 have a bucket of their own
+  std::array<Index, kUsual + 2> end{};
+  std::array<Index, kWindow> sorted;
+  const auto bucket = [&mesh, kUsual](Index v) { return std::min(kind_of(mesh, v), kUsual); };
+  for (const Index v : window) ++end[bucket(v) + 1];
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::array<Index, kUsual + 2> place = end;
+  for (const Index v : window) sorted[place[bucket(v)]++] = v;
+  const std::span<Index> all = std::span(sorted).first(window.size());
+  for (std::size_t kind = 0; kind < kUsual; ++kind) {
+    make_slices(mesh, all.subspan(end[kind], end[kind + 1] - end[kind]));
+  }
+  std::span<Index> unusual = all.subspan(end[kUsual]);
+  std::stable_sort(unusual.begin(), unusual.end(),
+                   [&mesh](Index a, Index b) { return kind_of(mesh, a) < kind_of(mesh, b); });
+  for (std::size_t i = 0; i < unusual.size();) {
+    std::size_t last = i + 1;
+    while (last < unusual.size() && kind_of(mesh, unusual[last]) == kind_of(mesh, unusual[i])) ++last;
+    make_slices(mesh, unusual.subspan(i, last - i));
+    i = last;
+  }
+}
+
+void PackedMesh::make_slices(const TriangleMesh& mesh, std::span<const Index> equals) {
+  for (std::size_t i = 0; i < equals.size(); i += kLanes) {
+    const Slice* before = slices_.empty() ? nullptr : &slices_.back();
+    const auto valence = static_cast<Index>(mesh.rings()[equals[i]].size());
+    slices_.push_back({before == nullptr ? 0 : before->columns + before->valence, valence,
+                       mesh.boundary_vertex()[equals[i]] != 0});
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const Index v = i + lane < equals.size() ? equals[i + lane] : kNoIndex;
+      if (v != kNoIndex) slot_of_vertex_[v] = static_cast<Index>(vertex_of_slot_.size());
+      vertex_of_slot_.push_back(v);
+    }
+  }
+}
+
+void PackedMesh::make_rings(const TriangleMesh& mesh) {
+  if (slices_.empty()) return;
+  ring_.resize(kLanes * std::size_t{slices_.back().columns + slices_.back().valence});
+  for (std::size_t s = 0; s < slices_.size(); ++s) {
+    Index* column = ring_.data() + kLanes * std::size_t{slices_[s].columns};
+    for (Index lane = 0; lane < kLanes; ++lane) {
+      const auto slot = static_cast<Index>(kLanes * s + lane);
+      const Index v = vertex_of_slot_[slot];
+      const Index* neighbours = v == kNoIndex ? nullptr : mesh.rings()[v].data();
+      for (Index k = 0; k < slices_[s].valence; ++k) {
+        column[kLanes * k + lane] = v == kNoIndex ? slot : slot_of_vertex_[neighbours[k]];
+      }
+    }
+  }
+}
+
+}  // namespace fairway

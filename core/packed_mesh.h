@@ -1,0 +1,40 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/slice.h"
+#include "core/triangle_mesh.h"
+
+namespace fairway {
+
+/// A surface laid out for the kernels: vertices in Morton order (neighbours in space are neighbours
+/// in memory), sorted by valence in windows of 2048, in slices of eight of equal valence. Every
+/// kernel gathers over rings and writes only its own slots: no atomics, the same bits at any
+/// thread count. Slots without a vertex fill up slices; their rings are themselves, so they have
+/// no area and never move.
+class PackedMesh {
+ public:
+  explicit PackedMesh(const TriangleMesh& mesh);
+
+  std::span<const Slice> slices() const { return slices_; }
+  std::span<const Index> ring() const { return ring_; }
+  std::size_t slot_count() const { return kLanes * slices_.size(); }
+  std::size_t column_count() const { return ring_.size() / kLanes; }
+
+  /// Surface vertex of a slot, kNoIndex for a filler.
+  const std::vector<Index>& vertex_of_slot() const { return vertex_of_slot_; }
+  const std::vector<Index>& slot_of_vertex() const { return slot_of_vertex_; }
+
+ private:
+  void fill_window(const TriangleMesh& mesh, std::span<Index> window);
+  void make_slices(const TriangleMesh& mesh, std::span<const Index> equals);
+  void make_rings(const TriangleMesh& mesh);
+
+  std::vector<Slice> slices_;
+  std::vector<Index> ring_;
+  std::vector<Index> vertex_of_slot_;
+  std::vector<Index> slot_of_vertex_;
+};
+
+}  // namespace fairway
