@@ -39,7 +39,8 @@ void match_sorted(CornerTable& table, Side* first, Side* last) {
     return std::pair(a.high, a.corner_and_direction) < std::pair(b.high, b.corner_and_direction);
   });
   while (first != last) {
-    const Side* end = std::find_if(first, last, [high = first->high](const Side& s) { return s.high != high; });
+    const Side* end =
+        std::find_if(first, last, [high = first->high](const Side& s) { return s.high != high; });
     join_group(table, first, end);
     first += end - first;
   }

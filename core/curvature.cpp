@@ -13,7 +13,8 @@ namespace fairway {
 namespace {
 
 template <class T>
-std::vector<T> spread(const std::vector<T>& values, const std::vector<Index>& vertex, const T& none) {
+std::vector<T> spread(const std::vector<T>& values, const std::vector<Index>& vertex,
+                      const T& none) {
   std::vector<T> out;
   out.reserve(vertex.size());
   for (const Index v : vertex) out.push_back(v == kNoIndex ? none : values[v]);

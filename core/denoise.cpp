@@ -41,8 +41,9 @@ class FlowRun {
       : mesh_(mesh),
         options_(options),
         execution_(execution),
-        held_(options.boundary == Boundary::fixed ? mesh.boundary_vertex()
-                                                  : std::vector<unsigned char>(mesh.vertex_count())),
+        held_(options.boundary == Boundary::fixed
+                  ? mesh.boundary_vertex()
+                  : std::vector<unsigned char>(mesh.vertex_count())),
         x_(mesh.positions()) {}
 
   Result<Denoised> run(const FlowObserver& observer, const std::stop_token& stop);
@@ -103,8 +104,7 @@ void FlowRun::begin() {
 
 /// An automatic run leaves a surface without noise as it is: smooth curvature is not noise.
 bool FlowRun::is_clean() {
-  const bool clean =
-      noise_estimate(bends_.robust) < kNoNoise || flow_->roughness() < kSmooth;
+  const bool clean = noise_estimate(bends_.robust) < kNoNoise || flow_->roughness() < kSmooth;
   if (clean) {
     report_.notes.emplace_back(
         "No noise was found, so the surface stays as it is; give steps to smooth it all the same.");
@@ -114,7 +114,8 @@ bool FlowRun::is_clean() {
 
 bool FlowRun::noise_is_removed() const {
   if (options_.steps || report_.steps.empty()) return false;
-  const double removed = is_prescribed(options_.method) ? kRemovedPrescribed : kRemovedMeanCurvature;
+  const double removed =
+      is_prescribed(options_.method) ? kRemovedPrescribed : kRemovedMeanCurvature;
   return report_.steps.back().displacement >= removed * report_.noise;
 }
 

@@ -25,18 +25,18 @@ struct FlowStep {
 
 /// What a run found, chose and did.
 struct FlowReport {
-  double mean_edge_length = 0.0;       ///< L, length, after unfolding
-  double noise = 0.0;                  ///< σ̂ / L at the start, after unfolding
-  double step_size = 0.0;              ///< τ as used
+  double mean_edge_length = 0.0;  ///< L, length, after unfolding
+  double noise = 0.0;             ///< σ̂ / L at the start, after unfolding
+  double step_size = 0.0;         ///< τ as used
   int unfold_rounds = 0;
   std::vector<FlowStep> steps;
-  double volume_before = 0.0;          ///< signed, about the centroid; length³
+  double volume_before = 0.0;  ///< signed, about the centroid; length³
   double volume_after = 0.0;
-  double area_before = 0.0;            ///< length²
+  double area_before = 0.0;  ///< length²
   double area_after = 0.0;
-  double rms_displacement = 0.0;       ///< of all vertices, in mean edges
-  double max_displacement = 0.0;       ///< in mean edges
-  std::size_t flipped_faces = 0;       ///< faces turned by more than 90° against the input
+  double rms_displacement = 0.0;  ///< of all vertices, in mean edges
+  double max_displacement = 0.0;  ///< in mean edges
+  std::size_t flipped_faces = 0;  ///< faces turned by more than 90° against the input
   std::vector<std::string> notes;
 };
 

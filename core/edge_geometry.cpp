@@ -79,7 +79,9 @@ double robust_bend(const TriangleMesh& mesh, const EdgeCurvature& edges) {
   return median(bends) / kMedianOfNormal;
 }
 
-double noise_estimate(double robust_bend) { return robust_bend / kBendOfUnitNoise; }
+double noise_estimate(double robust_bend) {
+  return robust_bend / kBendOfUnitNoise;
+}
 
 Features detect_features(const TriangleMesh& mesh, const EdgeCurvature& edges, double lambda,
                          double transition, int min_component) {

@@ -11,8 +11,8 @@ namespace fairway {
 
 /// Edge mean curvature of every edge, in the order of TriangleMesh::edges().
 /// `vectors` H_e N_e = e × (N0 − N1), eq. (2): length, outward where convex; `values` H_e =
-/// ± 2 |e| sin(β/2): length, + convex, − concave; `dihedral_angles` β: radians in [−π, π], 0 = flat.
-/// Zero on boundary edges and beside absent faces.
+/// ± 2 |e| sin(β/2): length, + convex, − concave; `dihedral_angles` β: radians in [−π, π], 0 =
+/// flat. Zero on boundary edges and beside absent faces.
 struct EdgeCurvature {
   std::vector<Vec3> vectors;
   std::vector<double> values;
@@ -37,7 +37,8 @@ std::vector<Vec3> mean_curvature_vector(const TriangleMesh& mesh, const EdgeCurv
 /// bends most edges and features few. 0 without interior edges.
 double robust_bend(const TriangleMesh& mesh, const EdgeCurvature& edges);
 
-/// σ̂ / L: standard deviation of the noise along the normals in mean edge lengths, robust_bend / 2.309.
+/// σ̂ / L: standard deviation of the noise along the normals in mean edge lengths, robust_bend
+/// / 2.309.
 double noise_estimate(double robust_bend);
 
 /// Strong edges |H_e| > λ and what they make: weights per edge and feature vertices, eq. (11).

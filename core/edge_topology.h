@@ -20,7 +20,9 @@ struct Edge {
 };
 
 /// The end of an edge that is not `v`.
-constexpr Index other_end(const Edge& edge, Index v) { return edge.p == v ? edge.q : edge.p; }
+constexpr Index other_end(const Edge& edge, Index v) {
+  return edge.p == v ? edge.q : edge.p;
+}
 
 /// Compressed rows: the items of row i are items[offsets[i] .. offsets[i + 1]).
 struct Adjacency {

@@ -12,7 +12,8 @@ struct Execution {
 
   Precision precision = Precision::automatic;
   Isa isa = best_isa();
-  unsigned threads = 1;  ///< at least 1; jobs run side by side first, so more pays for large meshes only
+  unsigned threads =
+      1;  ///< at least 1; jobs run side by side first, so more pays for large meshes only
 };
 
 }  // namespace fairway

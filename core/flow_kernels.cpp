@@ -33,9 +33,12 @@ Isa best_isa() {
 
 const char* name_of(Isa isa) {
   switch (isa) {
-    case Isa::avx2: return "avx2";
-    case Isa::avx512: return "avx512";
-    case Isa::portable: break;
+    case Isa::avx2:
+      return "avx2";
+    case Isa::avx512:
+      return "avx512";
+    case Isa::portable:
+      break;
   }
   return "portable";
 }

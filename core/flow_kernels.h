@@ -10,8 +10,8 @@ namespace fairway {
 // compiled for several instruction sets (flow_kernels_impl.h); everything here is plain data, so
 // that nothing compiled for one of them is shared with code for another.
 
-/// How positions are stored: single precision computes with 32-bit fixed point, so that edge vectors
-/// are exact differences wherever the vertex lies; double precision stores doubles.
+/// How positions are stored: single precision computes with 32-bit fixed point, so that edge
+/// vectors are exact differences wherever the vertex lies; double precision stores doubles.
 template <class Real>
 struct StoredCoordinate;
 template <>
@@ -41,29 +41,29 @@ struct KernelMesh {
 /// What a flow computes per slot before it moves.
 template <class Real>
 struct KernelFields {
-  Quad<Real>* curvature;     ///< H_A, and in w the factor c of the step: p ← p − c (…)
-  Quad<Real>* direction;     ///< ∇vol; later V_A at feature vertices
-  Real* value;               ///< f, signed; its lowest bit says "feature vertex"
-  std::uint8_t* strong;      ///< per column, a bit per lane: |H_e| > λ
+  Quad<Real>* curvature;  ///< H_A, and in w the factor c of the step: p ← p − c (…)
+  Quad<Real>* direction;  ///< ∇vol; later V_A at feature vertices
+  Real* value;            ///< f, signed; its lowest bit says "feature vertex"
+  std::uint8_t* strong;   ///< per column, a bit per lane: |H_e| > λ
 };
 
 /// The numbers of one step.
 template <class Real>
 struct StepNumbers {
-  Real time_step;      ///< s in L²
-  Real lambda;         ///< λ in L; infinite for the isotropic flows
-  Real transition;     ///< r
-  bool local_step;     ///< c = min(s / M_pp, ½ / K_pp)
-  bool prescribed;     ///< direction and value are wanted
+  Real time_step;   ///< s in L²
+  Real lambda;      ///< λ in L; infinite for the isotropic flows
+  Real transition;  ///< r
+  bool local_step;  ///< c = min(s / M_pp, ½ / K_pp)
+  bool prescribed;  ///< direction and value are wanted
 };
 
 /// How the moving pass averages f and where it writes.
 template <class Real>
 struct MoveNumbers {
-  Real fraction;        ///< of the last smoothing pass; 0 = f as it is
-  bool own_kind;        ///< every vertex averages over its own kind only
-  /// L² in the unit of the input. Where the paper's literal rule mixes the two kinds of f, which are
-  /// a length and one over a length, the result depends on that unit.
+  Real fraction;  ///< of the last smoothing pass; 0 = f as it is
+  bool own_kind;  ///< every vertex averages over its own kind only
+  /// L² in the unit of the input. Where the paper's literal rule mixes the two kinds of f, which
+  /// are a length and one over a length, the result depends on that unit.
   Real mean_edge_squared;
   bool prescribed;
 };
@@ -78,13 +78,12 @@ struct FlowKernels {
   void (*curvature)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
                     Index first, Index last);
   /// One smoothing pass of f into `out`.
-  void (*average)(const KernelMesh<Real>&, const MoveNumbers<Real>&, const Real* value,
-                  Index first, Index last, Real* out);
+  void (*average)(const KernelMesh<Real>&, const MoveNumbers<Real>&, const Real* value, Index first,
+                  Index last, Real* out);
   /// p − c (H_A − f̃ V_A) into `out`, f̃ from one more averaging of f. Returns the largest coordinate
   /// magnitude in stored units; NaN or infinity if one is not finite.
   Real (*move)(const KernelMesh<Real>&, const MoveNumbers<Real>&, const KernelFields<Real>&,
-               Index first, Index last,
-               Quad<typename StoredCoordinate<Real>::Type>* out);
+               Index first, Index last, Quad<typename StoredCoordinate<Real>::Type>* out);
   /// Σ ⟨p − start, normal⟩² over the slots, in L².
   double (*displacement)(const KernelMesh<Real>&,
                          const Quad<typename StoredCoordinate<Real>::Type>* start,

@@ -1,12 +1,12 @@
 // The kernels, compiled once per instruction set by the flow_kernels_*.cpp files, each of which
-// names its set in FAIRWAY_KERNELS_NAMESPACE. Everything is in that namespace or anonymous: no function
-// compiled for a newer processor can take the place of one that an older processor runs.
+// names its set in FAIRWAY_KERNELS_NAMESPACE. Everything is in that namespace or anonymous: no
+// function compiled for a newer processor can take the place of one that an older processor runs.
 // Sources: Hildebrandt & Polthier 2004, eqs. (2), (6), (8), (11).
-
-#include <immintrin.h>
 
 #include <cstring>
 #include <type_traits>
+
+#include <immintrin.h>
 
 #include "core/flow_kernels.h"
 
@@ -145,13 +145,13 @@ FAIRWAY_INLINE Gathered<double> gather(const Stored<double>* positions, const In
 
 /// q − p in L: exact differences of fixed-point coordinates.
 FAIRWAY_INLINE Vectors<float> between(const Gathered<float>& p, const Gathered<float>& q,
-                                             float quantum) {
+                                      float quantum) {
   return {__builtin_convertvector(q.x - p.x, Lanes<float>) * quantum,
           __builtin_convertvector(q.y - p.y, Lanes<float>) * quantum,
           __builtin_convertvector(q.z - p.z, Lanes<float>) * quantum};
 }
 FAIRWAY_INLINE Vectors<double> between(const Gathered<double>& p, const Gathered<double>& q,
-                                              double /*quantum*/) {
+                                       double /*quantum*/) {
   return {q.x - p.x, q.y - p.y, q.z - p.z};
 }
 
@@ -194,13 +194,13 @@ struct Fan {
 template <class Real>
 struct Sums {
   using V = Lanes<Real>;
-  Vectors<Real> curvature = {};   ///< Σ w H_e N_e
-  Vectors<Real> area_vector = {}; ///< Σ twice area · N
+  Vectors<Real> curvature = {};    ///< Σ w H_e N_e
+  Vectors<Real> area_vector = {};  ///< Σ twice area · N
   V twice_area = {};
-  V cotangents = {};           ///< Σ (|cot| + |cot|) = 2 K_pp
+  V cotangents = {};  ///< Σ (|cot| + |cot|) = 2 K_pp
 
-  FAIRWAY_INLINE void add_face(const Fan<Real>& fan, const Vectors<Real>& a, V aa, const Vectors<Real>& b,
-                               V bb) {
+  FAIRWAY_INLINE void add_face(const Fan<Real>& fan, const Vectors<Real>& a, V aa,
+                               const Vectors<Real>& b, V bb) {
     area_vector = area_vector + fan.twice_area_vector;
     twice_area += fan.twice_area;
     const V ab = dot(a, b);
@@ -269,7 +269,9 @@ FAIRWAY_INLINE Sums<Real> sum_ring(const KernelMesh<Real>& mesh, const StepNumbe
 }
 
 /// The lowest bit of f says "feature vertex".
-FAIRWAY_INLINE Lanes<float> clear_lowest_bit(Lanes<float> f) { return (Lanes<float>)((Mask<float>)f & ~1); }
+FAIRWAY_INLINE Lanes<float> clear_lowest_bit(Lanes<float> f) {
+  return (Lanes<float>)((Mask<float>)f & ~1);
+}
 FAIRWAY_INLINE Lanes<double> clear_lowest_bit(Lanes<double> f) {
   return (Lanes<double>)((Mask<double>)f & ~std::int64_t{1});
 }
@@ -280,8 +282,7 @@ FAIRWAY_INLINE void store_quads(Quad<Real>* out, const Vectors<Real>& v, Lanes<R
 }
 #ifdef __AVX__
 template <>
-FAIRWAY_INLINE void store_quads<float>(Quad<float>* out, const Vectors<float>& v,
-                                       Lanes<float> w) {
+FAIRWAY_INLINE void store_quads<float>(Quad<float>* out, const Vectors<float>& v, Lanes<float> w) {
   const __m256 xy_low = _mm256_unpacklo_ps((__m256)v.x, (__m256)v.y);
   const __m256 xy_high = _mm256_unpackhi_ps((__m256)v.x, (__m256)v.y);
   const __m256 zw_low = _mm256_unpacklo_ps((__m256)v.z, (__m256)w);
@@ -363,7 +364,8 @@ void bends(const KernelMesh<Real>& mesh, Index first, Index last, Real* out) {
       a = b;
     }
     const Fan<Real> last_face(a, first_edge);
-    store<Real>(out + kLanes * std::size_t{s.valence - 1}, s.open ? zero - 1 : bend(last_face, before));
+    store<Real>(out + kLanes * std::size_t{s.valence - 1},
+                s.open ? zero - 1 : bend(last_face, before));
     store<Real>(out, s.open ? zero - 1 : bend(first_face, last_face));
     out += kLanes * std::size_t{s.valence};
   }
@@ -514,7 +516,11 @@ constexpr FlowKernels<Real> kKernels = {&bends<Real>, &curvature<Real>, &average
 
 }  // namespace
 
-const FlowKernels<float>& single_kernels() { return kKernels<float>; }
-const FlowKernels<double>& double_kernels() { return kKernels<double>; }
+const FlowKernels<float>& single_kernels() {
+  return kKernels<float>;
+}
+const FlowKernels<double>& double_kernels() {
+  return kKernels<double>;
+}
 
 }  // namespace fairway::FAIRWAY_KERNELS_NAMESPACE

@@ -17,7 +17,8 @@ using HalfedgeMesh = OpenMesh::TriMesh_ArrayKernelT<>;
 const HalfedgeMesh::Point kAnywhere(0.0F, 0.0F, 0.0F);
 
 /// The surface as halfedges. TriangleMesh has split all non-manifold fans, so every face finds its
-/// place; a face between two slits of one edge, which halfedges cannot say, gets corners of its own.
+/// place; a face between two slits of one edge, which halfedges cannot say, gets corners of its
+/// own.
 HalfedgeMesh halfedges(const TriangleMesh& mesh) {
   HalfedgeMesh out;
   out.reserve(mesh.vertex_count(), mesh.edges().size(), mesh.faces().size());
@@ -25,7 +26,8 @@ HalfedgeMesh halfedges(const TriangleMesh& mesh) {
   for (const auto& [a, b, c] : mesh.faces()) {
     std::array<OpenMesh::VertexHandle, 3> corners;
     const std::array<Index, 3> face = {a, b, c};
-    for (std::size_t i = 0; i < 3; ++i) corners[i] = OpenMesh::VertexHandle(static_cast<int>(face[i]));
+    for (std::size_t i = 0; i < 3; ++i)
+      corners[i] = OpenMesh::VertexHandle(static_cast<int>(face[i]));
     if (out.add_face(corners[0], corners[1], corners[2]).is_valid()) continue;
     for (auto& corner : corners) corner = out.add_vertex(kAnywhere);
     out.add_face(corners[0], corners[1], corners[2]);

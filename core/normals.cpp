@@ -46,8 +46,8 @@ std::vector<Vec3> keep_split_normals(const IndexedMesh& moved,
   const std::vector<Index> group = smoothing_groups(place_of_vertex, unit);
   std::vector<Vec3> sums(unit.size(), Vec3::Zero());
   for (const auto& [a, b, c] : moved.triangles) {
-    const Vec3 twice_area = (moved.positions[b] - moved.positions[a])
-                                .cross(moved.positions[c] - moved.positions[a]);
+    const Vec3 twice_area =
+        (moved.positions[b] - moved.positions[a]).cross(moved.positions[c] - moved.positions[a]);
     for (const Index v : {a, b, c}) sums[group[v]] += twice_area;
   }
   std::vector<Vec3> out(old_normals.begin(), old_normals.end());

@@ -1,6 +1,5 @@
-// The explicit flows on packed kernels: what is dense runs in the kernels, what is sparse (groups of
-// strong edges, feature vertices) here.
-// Source: Hildebrandt & Polthier 2004, eqs. (6)–(11).
+// The explicit flows on packed kernels: what is dense runs in the kernels, what is sparse (groups
+// of strong edges, feature vertices) here. Source: Hildebrandt & Polthier 2004, eqs. (6)–(11).
 
 #include "core/packed_flow.h"
 
@@ -23,7 +22,7 @@
 namespace fairway {
 namespace {
 
-constexpr std::size_t kGrain = 256;            // slices per range
+constexpr std::size_t kGrain = 256;  // slices per range
 constexpr std::size_t kSampledSlices = 2048;
 constexpr std::size_t kDoubleVertices = 20'000;
 // |N0 − N1|² of an edge bent by 120°.
@@ -38,7 +37,9 @@ using Stored = Quad<typename StoredCoordinate<Real>::Type>;
 template <class Real>
 struct Vector {
   Real x, y, z;
-  friend Vector operator-(const Vector& a, const Vector& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Vector operator-(const Vector& a, const Vector& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+  }
   friend Vector operator*(const Vector& a, Real s) { return {a.x * s, a.y * s, a.z * s}; }
   friend Real dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
   friend Vector cross(const Vector& a, const Vector& b) {
@@ -70,6 +71,7 @@ class Flow final : public PackedFlow {
   void mark_start() override;
   bool step(double lambda, double time_step, double bound) override;
   double displacement() override;
+  std::size_t kernel_bytes() const override;
   std::vector<Vec3> positions(std::span<const Vec3> start) const override;
 
  private:
@@ -188,13 +190,15 @@ void Flow<Real>::compute_curvature(const StepNumbers<Real>& numbers) {
 template <class Real>
 double Flow<Real>::roughness() {
   constexpr Real kNever = std::numeric_limits<Real>::infinity();
-  compute_curvature({.time_step = 1, .lambda = kNever, .transition = 0, .local_step = false, .prescribed = true});
+  compute_curvature(
+      {.time_step = 1, .lambda = kNever, .transition = 0, .local_step = false, .prescribed = true});
   // h = ⟨N, H⟩ / M, and c = 1 / M for this time step.
   std::vector<Real> h(packed_.slot_count());
   for (std::size_t slot = 0; slot < h.size(); ++slot) {
     const Vector<Real> volume = vector_of(direction_[slot]);
     const Real size = length(volume);
-    h[slot] = size > 0 ? dot(vector_of(curvature_[slot]), volume) / size * curvature_[slot].w : Real{0};
+    h[slot] =
+        size > 0 ? dot(vector_of(curvature_[slot]), volume) / size * curvature_[slot].w : Real{0};
   }
   std::vector<double> magnitude;
   std::vector<double> deviation;
@@ -219,7 +223,8 @@ double Flow<Real>::roughness() {
 template <class Real>
 void Flow<Real>::mark_start() {
   start_ = x_;
-  compute_curvature({.time_step = 1, .lambda = 1, .transition = 1, .local_step = false, .prescribed = true});
+  compute_curvature(
+      {.time_step = 1, .lambda = 1, .transition = 1, .local_step = false, .prescribed = true});
   normals_ = direction_;
   for (Quad<Real>& n : normals_) {
     const Real size = length(vector_of(n));
@@ -233,8 +238,8 @@ double Flow<Real>::displacement() {
   const std::size_t slices = packed_.slices().size();
   std::vector<double> parts((slices + kGrain - 1) / kGrain);
   team_.for_ranges(slices, kGrain, [&](std::size_t first, std::size_t last) {
-    parts[first / kGrain] = kernels_.displacement(mesh, start_.data(), normals_.data(),
-                                                  static_cast<Index>(first), static_cast<Index>(last));
+    parts[first / kGrain] = kernels_.displacement(
+        mesh, start_.data(), normals_.data(), static_cast<Index>(first), static_cast<Index>(last));
   });
   double sum = 0.0;
   for (const double part : parts) sum += part;
@@ -245,7 +250,8 @@ double Flow<Real>::displacement() {
 template <class Real>
 void Flow<Real>::weaken(const StrongEdge& edge, const StepNumbers<Real>& numbers) {
   const Slice& slice = packed_.slices()[edge.p / kLanes];
-  const Index* column = packed_.ring().data() + kLanes * std::size_t{slice.columns} + edge.p % kLanes;
+  const Index* column =
+      packed_.ring().data() + kLanes * std::size_t{slice.columns} + edge.p % kLanes;
   const auto neighbour = [&](Index k) { return column[kLanes * std::size_t{k % slice.valence}]; };
   const Vector<Real> e = between(edge.p, edge.q);
   const auto normal = [](const Vector<Real>& a, const Vector<Real>& b) {
@@ -307,7 +313,8 @@ Vector<Real> Flow<Real>::smoothed_curvature(Index slot) const {
   }
   const Vector<Real> own = vector_of(curvature_[slot]);
   if (weights == 0) return own;
-  return {(own.x + sum.x / weights) / 2, (own.y + sum.y / weights) / 2, (own.z + sum.z / weights) / 2};
+  return {(own.x + sum.x / weights) / 2, (own.y + sum.y / weights) / 2,
+          (own.z + sum.z / weights) / 2};
 }
 
 template <class Real>
@@ -371,8 +378,9 @@ bool Flow<Real>::move(const MoveNumbers<Real>& numbers, double bound) {
   std::vector<Real> parts((slices + kGrain - 1) / kGrain);
   for (;;) {
     team_.for_ranges(slices, kGrain, [&](std::size_t first, std::size_t last) {
-      parts[first / kGrain] = kernels_.move(kernel_mesh(), numbers, fields(), static_cast<Index>(first),
-                                            static_cast<Index>(last), next_.data());
+      parts[first / kGrain] =
+          kernels_.move(kernel_mesh(), numbers, fields(), static_cast<Index>(first),
+                        static_cast<Index>(last), next_.data());
     });
     double largest = 0.0;
     for (const Real part : parts) {
@@ -408,6 +416,13 @@ bool Flow<Real>::step(double lambda, double time_step, double bound) {
 }
 
 template <class Real>
+std::size_t Flow<Real>::kernel_bytes() const {
+  const std::size_t slots = packed_.slot_count();
+  return slots * (sizeof(Stored<Real>) + 3 * sizeof(Quad<Real>) + sizeof(Real)) + strong_.size() +
+         other_value_.size() * sizeof(Real) + groups_.bytes();
+}
+
+template <class Real>
 std::vector<Vec3> Flow<Real>::positions(std::span<const Vec3> start) const {
   std::vector<Vec3> out(start.begin(), start.end());
   const double scale = mean_edge_ * quantum_;
@@ -430,11 +445,12 @@ std::unique_ptr<PackedFlow> PackedFlow::create(const TriangleMesh& mesh,
                                                const Execution& execution) {
   using enum Execution::Precision;
   // The isotropic flow can amplify a rounding error a thousand times in ten steps.
-  const bool sensitive = mesh.vertex_count() <= kDoubleVertices ||
-                         options.method == Method::mean_curvature;
-  const bool in_double = execution.precision == double_precision ||
-                         (execution.precision == automatic && sensitive);
-  if (in_double) return std::make_unique<Flow<double>>(mesh, positions, mean_edge, held, options, execution);
+  const bool sensitive =
+      mesh.vertex_count() <= kDoubleVertices || options.method == Method::mean_curvature;
+  const bool in_double =
+      execution.precision == double_precision || (execution.precision == automatic && sensitive);
+  if (in_double)
+    return std::make_unique<Flow<double>>(mesh, positions, mean_edge, held, options, execution);
   return std::make_unique<Flow<float>>(mesh, positions, mean_edge, held, options, execution);
 }
 

@@ -38,8 +38,10 @@ class PackedFlow {
   virtual bool step(double lambda, double time_step, double bound) = 0;
   /// rms displacement along the normals of the start, in L.
   virtual double displacement() = 0;
-  /// Where `start`, the positions the flow was made from, went since mark_start(); what did not move
-  /// stays bit for bit.
+  /// Memory of the kernels beyond positions and topology, bytes.
+  virtual std::size_t kernel_bytes() const = 0;
+  /// Where `start`, the positions the flow was made from, went since mark_start(); what did not
+  /// move stays bit for bit.
   virtual std::vector<Vec3> positions(std::span<const Vec3> start) const = 0;
 };
 

@@ -52,7 +52,9 @@ void sort_by_key(std::vector<Keyed>& items) {
   std::vector<Keyed> other(items.size());
   for (unsigned shift = 0; shift < 3 * kAxisBits; shift += kDigitBits) {
     std::array<Index, 1U << kDigitBits> place{};
-    const auto digit = [shift](std::uint32_t key) { return key >> shift & ((1U << kDigitBits) - 1); };
+    const auto digit = [shift](std::uint32_t key) {
+      return key >> shift & ((1U << kDigitBits) - 1);
+    };
     for (const Keyed& item : items) ++place[digit(item.key)];
     Index sum = 0;
     for (Index& p : place) sum = std::exchange(p, sum) + sum;
@@ -71,7 +73,8 @@ PackedMesh::PackedMesh(const TriangleMesh& mesh) {
   std::vector<Keyed> keyed = morton_codes(mesh.positions());
   sort_by_key(keyed);
   std::vector<Index> order(keyed.size());
-  std::transform(keyed.begin(), keyed.end(), order.begin(), [](const Keyed& k) { return k.vertex; });
+  std::transform(keyed.begin(), keyed.end(), order.begin(),
+                 [](const Keyed& k) { return k.vertex; });
   slot_of_vertex_.resize(order.size());
   vertex_of_slot_.reserve(order.size() + order.size() / 16 + 64);
   for (std::size_t first = 0; first < order.size(); first += kWindow) {
@@ -99,7 +102,8 @@ void PackedMesh::fill_window(const TriangleMesh& mesh, std::span<Index> window) 
                    [&mesh](Index a, Index b) { return kind_of(mesh, a) < kind_of(mesh, b); });
   for (std::size_t i = 0; i < unusual.size();) {
     std::size_t last = i + 1;
-    while (last < unusual.size() && kind_of(mesh, unusual[last]) == kind_of(mesh, unusual[i])) ++last;
+    while (last < unusual.size() && kind_of(mesh, unusual[last]) == kind_of(mesh, unusual[i]))
+      ++last;
     make_slices(mesh, unusual.subspan(i, last - i));
     i = last;
   }

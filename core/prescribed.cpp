@@ -79,8 +79,8 @@ PrescribedCurvature prescribed_curvature(const TriangleMesh& mesh, std::span<con
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     Vec3& direction = out.direction[v];
     if (feature[v] != 0) {
-      const Vec3 smoothed = smoothed_mean_curvature(mesh, positions, faces, mean_curvature, feature,
-                                                    conventions, v);
+      const Vec3 smoothed =
+          smoothed_mean_curvature(mesh, positions, faces, mean_curvature, feature, conventions, v);
       const double length = smoothed.norm();
       if (length >= kNoDirection * mean_edge) {
         direction = smoothed / (smoothed.dot(direction) < 0.0 ? -length : length);

@@ -26,9 +26,9 @@ Vec3 smoothed_mean_curvature(const TriangleMesh& mesh, std::span<const Vec3> pos
                              std::span<const unsigned char> feature, Conventions conventions,
                              Index vertex);
 
-/// f̃ and V_A of a surface with anisotropic mean curvature vectors `mean_curvature` (H_A, or H for the
-/// isotropic flow) and `feature` flags (all zero for the isotropic flow).
-/// `conventions` chooses which neighbours H_A^s and f̃ average over.
+/// f̃ and V_A of a surface with anisotropic mean curvature vectors `mean_curvature` (H_A, or H for
+/// the isotropic flow) and `feature` flags (all zero for the isotropic flow). `conventions` chooses
+/// which neighbours H_A^s and f̃ average over.
 PrescribedCurvature prescribed_curvature(const TriangleMesh& mesh, std::span<const Vec3> positions,
                                          const FaceGeometry& faces,
                                          std::span<const Vec3> mean_curvature,

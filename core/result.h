@@ -27,15 +27,15 @@ enum class ErrorCode : std::uint8_t {
   length_required,       ///< HTTP request without a length
   not_found,
   method_not_allowed,
-  not_ready,             ///< the job has no result yet
-  gone,                  ///< the job had a result, which has expired or was deleted
+  not_ready,  ///< the job has no result yet
+  gone,       ///< the job had a result, which has expired or was deleted
   conflict,
   queue_full,
   storage_full,
-  unavailable,           ///< the service cannot take work now
-  usage,                 ///< command line not understood
-  io,                    ///< a file could not be read or written
-  internal,              ///< a defect of fairway
+  unavailable,  ///< the service cannot take work now
+  usage,        ///< command line not understood
+  io,           ///< a file could not be read or written
+  internal,     ///< a defect of fairway
 };
 
 /// An expected failure: what went wrong in one sentence that names the remedy, and, for documents,
@@ -50,7 +50,7 @@ struct Error {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}    // NOLINT: implicit
+  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}      // NOLINT: implicit
   Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}  // NOLINT: implicit
 
   explicit operator bool() const { return state_.index() == 0; }

@@ -35,8 +35,8 @@ IndexedMesh subdivide(const IndexedMesh& mesh) {
   out.positions = mesh.positions;
   std::map<std::pair<Index, Index>, Index> middle_of;
   const auto middle = [&](Index a, Index b) {
-    const auto [it, added] = middle_of.try_emplace(std::minmax(a, b),
-                                                   static_cast<Index>(out.positions.size()));
+    const auto [it, added] =
+        middle_of.try_emplace(std::minmax(a, b), static_cast<Index>(out.positions.size()));
     if (added) out.positions.emplace_back(0.5 * (mesh.positions[a] + mesh.positions[b]));
     return it->second;
   };
@@ -44,8 +44,8 @@ IndexedMesh subdivide(const IndexedMesh& mesh) {
     const Index ab = middle(a, b);
     const Index bc = middle(b, c);
     const Index ca = middle(c, a);
-    for (const Triangle& t : {Triangle{a, ab, ca}, Triangle{ab, b, bc}, Triangle{ca, bc, c},
-                              Triangle{ab, bc, ca}}) {
+    for (const Triangle& t :
+         {Triangle{a, ab, ca}, Triangle{ab, b, bc}, Triangle{ca, bc, c}, Triangle{ab, bc, ca}}) {
       out.triangles.push_back(t);
     }
   }

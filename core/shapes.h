@@ -8,11 +8,10 @@ namespace fairway {
 
 // Generated shapes for samples, tests and benchmarks. Closed shapes are outward oriented.
 
-/// The paper's Fig. 5: a torus of square section around the z axis, tube radius 1, section side 0.44,
-/// with curved features. `around` segments, 2 `side` segments per side of the section:
-/// around · 8 side vertices. around ≈ 31 side makes the triangles
-/// nearly equilateral.
-/// Needs around ≥ 3, side ≥ 1.
+/// The paper's Fig. 5: a torus of square section around the z axis, tube radius 1, section side
+/// 0.44, with curved features. `around` segments, 2 `side` segments per side of the section: around
+/// · 8 side vertices. around ≈ 31 side makes the triangles nearly equilateral. Needs around ≥ 3,
+/// side ≥ 1.
 IndexedMesh ring(Index around, Index side);
 
 /// Icosahedron subdivided `levels` times on a sphere about the origin: 10 · 4^levels + 2 vertices.

@@ -17,12 +17,18 @@ struct StrongEdge {
 /// Kept between steps for its memory.
 class StrongGroups {
  public:
-  /// `strong`: a bit per lane and column. Groups with fewer than `min_component` vertices are noise.
+  /// `strong`: a bit per lane and column. Groups with fewer than `min_component` vertices are
+  /// noise.
   void find(const PackedMesh& mesh, std::span<const std::uint8_t> strong, int min_component);
 
   const std::vector<StrongEdge>& noise() const { return noise_; }
   /// Slots of feature vertices, each once.
   const std::vector<Index>& features() const { return features_; }
+
+  /// Memory per slot, bytes; the lists are short.
+  std::size_t bytes() const {
+    return parent_.size() * sizeof(Index) + group_size_.size() * sizeof(int);
+  }
 
  private:
   void meet(Index slot);

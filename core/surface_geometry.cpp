@@ -101,7 +101,8 @@ std::vector<double> angle_defect(const TriangleMesh& mesh, std::span<const Vec3>
   std::vector<double> defect = sum_over_star(mesh, 0.0, [&](Index f, unsigned slot) {
     if (!faces.present(f)) return 0.0;
     const Triangle& t = mesh.faces()[f];
-    return -angle_at(positions[t[slot]], positions[t[(slot + 1) % 3]], positions[t[(slot + 2) % 3]]);
+    return -angle_at(positions[t[slot]], positions[t[(slot + 1) % 3]],
+                     positions[t[(slot + 2) % 3]]);
   });
   for (std::size_t v = 0; v < defect.size(); ++v) {
     defect[v] += (mesh.boundary_vertex()[v] != 0 ? 1.0 : 2.0) * std::numbers::pi;

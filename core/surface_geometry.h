@@ -15,7 +15,9 @@ namespace fairway {
 double mean_edge_length(const TriangleMesh& mesh, std::span<const Vec3> positions);
 
 /// Faces below this area (length²) count as absent: 1e-12 L².
-constexpr double smallest_area(double mean_edge) { return 1e-12 * mean_edge * mean_edge; }
+constexpr double smallest_area(double mean_edge) {
+  return 1e-12 * mean_edge * mean_edge;
+}
 
 /// Unit outward normals and areas (length²) of faces; both zero for an absent face.
 struct FaceGeometry {

@@ -65,7 +65,8 @@ class TriangleMesh {
 
   /// Source positions moved by what the surface vertices moved: copies of one place are averaged,
   /// so nothing cracks; a place that did not move keeps its source position bit for bit.
-  /// `moved`: vertex_count() positions relative to origin(). Returns one position per source vertex.
+  /// `moved`: vertex_count() positions relative to origin(). Returns one position per source
+  /// vertex.
   std::vector<Vec3> scatter_positions(const IndexedMesh& source, std::span<const Vec3> moved) const;
 
  private:

@@ -14,7 +14,9 @@ namespace {
 // A run of occupied slots this long does not happen by chance at half load.
 constexpr std::size_t kLongestProbe = 64;
 
-std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value + 0.0); }
+std::uint64_t bits(double value) {
+  return std::bit_cast<std::uint64_t>(value + 0.0);
+}
 
 std::uint64_t hash(const Vec3& p) {
   std::uint64_t h = bits(p.x()) * 0x9E3779B97F4A7C15U;

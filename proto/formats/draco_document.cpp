@@ -8,6 +8,7 @@
 
 #include "proto/formats/draco_decoder.h"
 #include "proto/formats/fresh_gltf.h"
+#include "proto/formats/surface_result.h"
 
 namespace fairway {
 namespace {
@@ -37,29 +38,6 @@ class DracoDocument final : public Document {
   std::vector<FreshMesh::Attribute> kept_;  ///< texture coordinates, colours
 };
 
-Result<void> check_result(const Surface& surface, std::span<const SurfaceResult> results) {
-  const std::size_t vertices = surface.mesh.positions.size();
-  bool fits = results.size() == 1;
-  if (fits && results[0].moved) {
-    fits = results[0].positions.size() == vertices &&
-           (surface.normals.empty() || results[0].normals.size() == vertices);
-    for (const Vec3& position : results[0].positions) {
-      if (!position.cast<float>().allFinite()) {
-        return Error{ErrorCode::diverged,
-                     "A position left the range of single precision; use fewer or smaller steps."};
-      }
-    }
-  }
-  for (const SurfaceResult& result : results) {
-    for (const VertexAttribute& attribute : result.attributes) {
-      fits = fits && attribute.components >= 1 && attribute.components <= 4 &&
-             attribute.values.size() == vertices * static_cast<std::size_t>(attribute.components);
-    }
-  }
-  if (!fits) return Error{ErrorCode::internal, "The result does not fit the surface."};
-  return {};
-}
-
 Result<std::vector<std::byte>> DracoDocument::encode(std::span<const SurfaceResult> results,
                                                      Format format) const {
   if (format == Format::drc) {
@@ -67,7 +45,7 @@ Result<std::vector<std::byte>> DracoDocument::encode(std::span<const SurfaceResu
                  "Writing .drc is not there yet; ask for glb or gltf."};
   }
   const Surface& surface = surfaces_.front();
-  if (const auto done = check_result(surface, results); !done) return done.error();
+  if (const auto done = check_results(surfaces_, results); !done) return done.error();
   const SurfaceResult& result = results.front();
   FreshMesh mesh;
   mesh.triangles = surface.mesh.triangles;

@@ -93,8 +93,10 @@ bool skip_metadata(ByteReader& reader) {
   return skip_metadata_tree(reader);
 }
 
-std::optional<std::uint64_t> read_count(ByteReader& reader, bool fixed_width) {
-  if (!fixed_width) return reader.read_varint();
+enum class CountWidth { varint, four_bytes };
+
+std::optional<std::uint64_t> read_count(ByteReader& reader, CountWidth width) {
+  if (width == CountWidth::varint) return reader.read_varint();
   const auto value = reader.read<std::uint32_t>();
   if (!value) return std::nullopt;
   return std::uint64_t{*value};
@@ -102,12 +104,13 @@ std::optional<std::uint64_t> read_count(ByteReader& reader, bool fixed_width) {
 
 Result<void> check_counts(const DracoHeader& header, ByteReader& reader, std::uint64_t limit) {
   const bool edgebreaker = header.method != 0;
-  const bool fixed_width = header.version < (edgebreaker ? 0x200U : 0x202U);
+  const CountWidth width = header.version < (edgebreaker ? 0x200U : 0x202U) ? CountWidth::four_bytes
+                                                                            : CountWidth::varint;
   // Sequential: faces, points. Edgebreaker: traversal, (new vertices,) vertices, faces.
   if (edgebreaker && !reader.read<std::uint8_t>()) return cut();
   const int counts = edgebreaker && header.version < 0x202U ? 3 : 2;
   for (int i = 0; i < counts; ++i) {
-    const auto count = read_count(reader, fixed_width);
+    const auto count = read_count(reader, width);
     if (!count) return cut();
     if (*count > limit) {
       return Error{ErrorCode::invalid_mesh,

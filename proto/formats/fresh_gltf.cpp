@@ -43,7 +43,7 @@ class ByteSink : public std::streambuf {
 };
 
 /// Appends an accessor with a view of its own to the model's only buffer.
-int add_accessor(const PackedValues& values, int target, bool bounds, gltf::Model& model) {
+int add_accessor(const PackedValues& values, int target, Bounds bounds, gltf::Model& model) {
   std::vector<unsigned char>& data = model.buffers.front().data;
   data.resize((data.size() + 3) / 4 * 4);
   gltf::BufferView view;
@@ -62,7 +62,7 @@ int add_accessor(const PackedValues& values, int target, bool bounds, gltf::Mode
   accessor.count = static_cast<std::size_t>(values.count);
   // The numbers of SCALAR and VEC2 … VEC4 in tinygltf.
   accessor.type = values.components == 1 ? TINYGLTF_TYPE_SCALAR : values.components;
-  if (bounds) {
+  if (bounds == Bounds::stated) {
     accessor.minValues = values.min;
     accessor.maxValues = values.max;
   }
@@ -78,12 +78,13 @@ gltf::Model make_model(const FreshMesh& mesh) {
   gltf::Primitive primitive;
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
   for (const FreshMesh::Attribute& attribute : mesh.attributes) {
-    primitive.attributes[attribute.name] = add_accessor(
-        attribute.values, TINYGLTF_TARGET_ARRAY_BUFFER, attribute.name == "POSITION", model);
+    const Bounds bounds = attribute.name == "POSITION" ? Bounds::stated : Bounds::left_out;
+    primitive.attributes[attribute.name] =
+        add_accessor(attribute.values, TINYGLTF_TARGET_ARRAY_BUFFER, bounds, model);
   }
   const auto vertices = static_cast<Index>(mesh.attributes.front().values.count);
   primitive.indices = add_accessor(pack_triangles(mesh.triangles, vertices, ComponentType::u16),
-                                   TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, false, model);
+                                   TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, Bounds::left_out, model);
   gltf::Mesh& out = model.meshes.emplace_back();
   out.primitives.push_back(primitive);
   model.nodes.emplace_back().mesh = 0;

@@ -41,29 +41,31 @@ bool leaves_geometry(std::string_view name) {
                      [name](std::string_view family) { return name.starts_with(family); });
 }
 
-Result<void> check_names(const JsonPlace& list, bool required) {
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const JsonPlace place = list[i];
+/// The list at `key`, if it is there, all of it strings.
+Result<std::optional<JsonPlace>> names(const JsonPlace& root, std::string_view key) {
+  const auto list = root.array(key);
+  if (!list || !*list) return list;
+  for (std::size_t i = 0; i < (*list)->size(); ++i) {
+    const JsonPlace place = (**list)[i];
     if (!place.json().is_string()) return place.error("extensions are named by strings.");
-    if (required && !leaves_geometry(place.json().get_ref<const std::string&>())) {
-      return Error{ErrorCode::unsupported_feature,
-                   "The file requires an extension that fairway does not know; save it without "
-                   "that extension.",
-                   place.pointer()};
-    }
   }
-  return {};
+  return list;
 }
 
 }  // namespace
 
 Result<void> check_extensions(const JsonPlace& root) {
-  for (const char* key : {"extensionsUsed", "extensionsRequired"}) {
-    const auto list = root.array(key);
-    if (!list) return list.error();
-    if (!*list) continue;
-    const bool required = key == std::string_view("extensionsRequired");
-    if (auto done = check_names(**list, required); !done) return done;
+  if (const auto used = names(root, "extensionsUsed"); !used) return used.error();
+  const auto required = names(root, "extensionsRequired");
+  if (!required) return required.error();
+  for (std::size_t i = 0; *required && i < (*required)->size(); ++i) {
+    const JsonPlace place = (**required)[i];
+    if (!leaves_geometry(place.json().get_ref<const std::string&>())) {
+      return Error{ErrorCode::unsupported_feature,
+                   "The file requires an extension that fairway does not know; save it without "
+                   "that extension.",
+                   place.pointer()};
+    }
   }
   return {};
 }

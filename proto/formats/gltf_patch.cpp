@@ -9,41 +9,13 @@
 #include <string>
 #include <tuple>
 
-#include <fmt/format.h>
-
 #include "proto/formats/gltf_accessor.h"
 #include "proto/formats/gltf_extensions.h"
 #include "proto/formats/gltf_references.h"
+#include "proto/formats/surface_result.h"
 
 namespace fairway {
 namespace {
-
-Error unfit(const Surface& surface, std::string_view what) {
-  return {ErrorCode::internal, fmt::format("{}: {} do not fit the surface.", surface.name, what)};
-}
-
-Result<void> check_result(const Surface& surface, const SurfaceResult& result) {
-  const std::size_t vertices = surface.mesh.positions.size();
-  if (result.moved) {
-    if (result.positions.size() != vertices) return unfit(surface, "positions");
-    if (!surface.normals.empty() && result.normals.size() != vertices) {
-      return unfit(surface, "normals");
-    }
-    for (const Vec3& position : result.positions) {
-      if (!position.cast<float>().allFinite()) {
-        return Error{ErrorCode::diverged,
-                     "A position left the range of single precision; use fewer or smaller steps."};
-      }
-    }
-  }
-  for (const VertexAttribute& attribute : result.attributes) {
-    if (attribute.components < 1 || attribute.components > 4 ||
-        attribute.values.size() != vertices * static_cast<std::size_t>(attribute.components)) {
-      return unfit(surface, attribute.name);
-    }
-  }
-  return {};
-}
 
 /// The tangent of glTF (w is the handedness) made perpendicular to a new normal.
 void straighten(const Vec3& normal, double* tangent) {
@@ -57,6 +29,12 @@ void straighten(const Vec3& normal, double* tangent) {
   if (!(t.norm() > 0.0)) t = Vec3::UnitX();
   t.normalize();
   for (int c = 0; c < 3; ++c) tangent[c] = t[c];
+}
+
+/// Bounds are stated where they were.
+Bounds bounds_of(const Json& accessor) {
+  const bool had = accessor.contains("min") || accessor.contains("max");
+  return had ? Bounds::stated : Bounds::left_out;
 }
 
 /// Patches the primitives of one surface.
@@ -88,13 +66,24 @@ class SurfacePatch {
     return output_.json()["meshes"][plan_.mesh]["primitives"][primitive.index];
   }
 
+  /// An accessor to be made, once per key. A `label` that only this primitive names is filled.
+  struct Slot {
+    Key key;
+    std::optional<std::size_t> label = {};
+    ViewTarget target = ViewTarget::vertices;
+    Bounds bounds = Bounds::left_out;
+  };
+
   Result<void> patch(const SurfacePrimitive& primitive);
   Result<void> unpack_draco(const SurfacePrimitive& primitive);
-  void move(const SurfacePrimitive& primitive);
-  Result<void> straighten_tangents(const SurfacePrimitive& primitive, std::size_t accessor);
-  void add_attributes(const SurfacePrimitive& primitive);
-  std::size_t place(const Key& key, std::optional<std::size_t> label, const PackedValues& values,
-                    ViewTarget target, Bounds bounds);
+  Result<void> unpack_indices(const SurfacePrimitive& primitive);
+  Result<void> move(const SurfacePrimitive& primitive);
+  Result<void> straighten_tangents(const SurfacePrimitive& primitive);
+  Result<void> add_attributes(const SurfacePrimitive& primitive);
+  Result<PackedValues> straight_tangents(const SurfacePrimitive& primitive,
+                                         std::size_t accessor) const;
+  template <class Make>
+  Result<void> place(const Slot& slot, const Make& make, Json& index);
   std::optional<std::size_t> label_of(const SurfacePrimitive& primitive,
                                       std::string_view name) const;
 
@@ -107,20 +96,22 @@ class SurfacePatch {
   std::map<Key, std::size_t> made_;
 };
 
-/// The accessor made for `key`, now or before. A `label` that only this primitive names is filled.
-std::size_t SurfacePatch::place(const Key& key, std::optional<std::size_t> label,
-                                const PackedValues& values, ViewTarget target, Bounds bounds) {
-  const auto found = made_.find(key);
-  if (found != made_.end()) return found->second;
-  std::size_t index = 0;
-  if (label && references_[*label] == 1) {
-    index = *label;
-    output_.fill_accessor(index, values, target, bounds);
-  } else {
-    index = output_.add_accessor(values, target, bounds);
+/// Points `index` to the accessor of a slot. Only its first primitive has the values made.
+template <class Make>
+Result<void> SurfacePatch::place(const Slot& slot, const Make& make, Json& index) {
+  const auto [found, is_new] = made_.try_emplace(slot.key, 0);
+  if (is_new) {
+    const Result<PackedValues> values = make();
+    if (!values) return values.error();
+    if (slot.label && references_[*slot.label] == 1) {
+      found->second = *slot.label;
+      output_.fill_accessor(*slot.label, *values, slot.target, slot.bounds);
+    } else {
+      found->second = output_.add_accessor(*values, slot.target, slot.bounds);
+    }
   }
-  made_.emplace(key, index);
-  return index;
+  index = found->second;
+  return {};
 }
 
 /// The accessor that labels a compressed attribute, if it is one.
@@ -139,76 +130,94 @@ Result<void> SurfacePatch::unpack_draco(const SurfacePrimitive& primitive) {
     const auto accessor = primitive.source.attribute(name);
     const bool replaced = result_.moved && (name == "POSITION" || name == "NORMAL");
     if (!accessor || replaced) continue;
-    const GltfAccessor& label = tables_.accessors[*accessor];
-    const auto values = pack_draco(mesh, *mesh.find_unique(id), label);
-    if (!values) return values.error();
-    const Json& def = output_.json()["accessors"][*accessor];
-    const bool bounds = name == "POSITION" || def.contains("min") || def.contains("max");
-    json["attributes"][name] =
-        place({*accessor, primitive.block, name}, accessor, *values, ViewTarget::vertices, bounds);
+    Slot slot{{*accessor, primitive.block, name}, accessor};
+    slot.bounds =
+        name == "POSITION" ? Bounds::stated : bounds_of(output_.json()["accessors"][*accessor]);
+    const DracoAttribute& attribute = *mesh.find_unique(id);
+    const auto make = [&] { return pack_draco(mesh, attribute, tables_.accessors[*accessor]); };
+    if (auto done = place(slot, make, json["attributes"][name]); !done) return done;
   }
-  const auto indices = primitive.source.indices;
-  const PackedValues packed =
-      pack_triangles(mesh.triangles(), mesh.point_count(),
-                     indices ? tables_.accessors[*indices].type : ComponentType::u16);
-  json["indices"] =
-      place({indices.value_or(kNoIndex), primitive.block, "indices"}, indices, packed,
-            ViewTarget::indices, indices && output_.json()["accessors"][*indices].contains("max"));
+  if (auto done = unpack_indices(primitive); !done) return done;
   if (primitive.source.mode != PrimitiveMode::triangles) json["mode"] = 4;
   json["extensions"].erase(kDracoExtension);
   if (json["extensions"].empty()) json.erase("extensions");
   return {};
 }
 
-void SurfacePatch::move(const SurfacePrimitive& primitive) {
+Result<void> SurfacePatch::unpack_indices(const SurfacePrimitive& primitive) {
+  const DracoMesh& mesh = draco_.at(primitive.source.draco->view);
+  const auto indices = primitive.source.indices;
+  Slot slot{{indices.value_or(kNoIndex), primitive.block, "indices"}, indices, ViewTarget::indices};
+  if (indices) slot.bounds = bounds_of(output_.json()["accessors"][*indices]);
+  const auto make = [&]() -> Result<PackedValues> {
+    return pack_triangles(mesh.triangles(), mesh.point_count(),
+                          indices ? tables_.accessors[*indices].type : ComponentType::u16);
+  };
+  return place(slot, make, json_of(primitive)["indices"]);
+}
+
+Result<void> SurfacePatch::move(const SurfacePrimitive& primitive) {
   const VertexBlock& block = plan_.blocks[primitive.block];
   Json& attributes = json_of(primitive)["attributes"];
   // Blocks that share the POSITION accessor hold the same places, so they share the new one too.
-  attributes["POSITION"] =
-      place({block.position, block.draco_view.value_or(kNoIndex), "POSITION"},
-            label_of(primitive, "POSITION"),
-            pack_vectors(std::span(result_.positions).subspan(block.first, block.count)),
-            ViewTarget::vertices, true);
-  if (!block.normal) return;
-  attributes["NORMAL"] =
-      place({*block.normal, primitive.block, "NORMAL"}, label_of(primitive, "NORMAL"),
-            pack_vectors(std::span(result_.normals).subspan(block.first, block.count)),
-            ViewTarget::vertices, false);
+  const Slot position{{block.position, block.draco_view.value_or(kNoIndex), "POSITION"},
+                      label_of(primitive, "POSITION"),
+                      ViewTarget::vertices,
+                      Bounds::stated};
+  const auto make_position = [&]() -> Result<PackedValues> {
+    return pack_vectors(std::span(result_.positions).subspan(block.first, block.count));
+  };
+  auto done = place(position, make_position, attributes["POSITION"]);
+  if (!done || !block.normal) return done;
+  const Slot normal{{*block.normal, primitive.block, "NORMAL"}, label_of(primitive, "NORMAL")};
+  const auto make_normal = [&]() -> Result<PackedValues> {
+    return pack_vectors(std::span(result_.normals).subspan(block.first, block.count));
+  };
+  return place(normal, make_normal, attributes["NORMAL"]);
 }
 
-Result<void> SurfacePatch::straighten_tangents(const SurfacePrimitive& primitive,
-                                               std::size_t accessor) {
+Result<PackedValues> SurfacePatch::straight_tangents(const SurfacePrimitive& primitive,
+                                                     std::size_t accessor) const {
   const VertexBlock& block = plan_.blocks[primitive.block];
-  const GltfAccessor& from = tables_.accessors[accessor];
-  if (!from.is_vector(4)) return {};
   const bool compressed = label_of(primitive, "TANGENT").has_value();
   auto tangents = [&]() -> Result<std::vector<double>> {
     if (!compressed) return read_values(tables_, accessor);
     const DracoMesh& mesh = draco_.at(primitive.source.draco->view);
     const std::uint64_t id = primitive.source.draco->ids.find("TANGENT")->second;
-    return draco_values(mesh, *mesh.find_unique(id), from);
+    return draco_values(mesh, *mesh.find_unique(id), tables_.accessors[accessor]);
   }();
   if (!tangents) return tangents.error();
   for (std::size_t i = 0; i < block.count; ++i) {
     straighten(result_.normals[block.first + i], tangents->data() + 4 * i);
   }
-  json_of(primitive)["attributes"]["TANGENT"] =
-      place({accessor, primitive.block, "straight"}, std::nullopt,
-            pack_values(*tangents, {ComponentType::f32, false, 4}), ViewTarget::vertices, false);
-  return {};
+  return pack_values(*tangents, {ComponentType::f32, false, 4});
 }
 
-void SurfacePatch::add_attributes(const SurfacePrimitive& primitive) {
+Result<void> SurfacePatch::straighten_tangents(const SurfacePrimitive& primitive) {
+  const auto accessor = primitive.source.attribute("TANGENT");
+  if (!accessor || !plan_.blocks[primitive.block].normal ||
+      !tables_.accessors[*accessor].is_vector(4)) {
+    return {};
+  }
+  const auto make = [&] { return straight_tangents(primitive, *accessor); };
+  return place({{*accessor, primitive.block, "straight"}}, make,
+               json_of(primitive)["attributes"]["TANGENT"]);
+}
+
+Result<void> SurfacePatch::add_attributes(const SurfacePrimitive& primitive) {
   const VertexBlock& block = plan_.blocks[primitive.block];
   Json& attributes = json_of(primitive)["attributes"];
   for (const VertexAttribute& attribute : result_.attributes) {
-    const auto components = static_cast<std::size_t>(attribute.components);
-    const auto values =
-        std::span(attribute.values).subspan(block.first * components, block.count * components);
-    attributes[attribute.name] =
-        place({block.position, block.draco_view.value_or(kNoIndex), attribute.name}, std::nullopt,
-              pack_floats(values, attribute.components), ViewTarget::vertices, false);
+    const auto make = [&]() -> Result<PackedValues> {
+      const auto components = static_cast<std::size_t>(attribute.components);
+      const auto values =
+          std::span(attribute.values).subspan(block.first * components, block.count * components);
+      return pack_floats(values, attribute.components);
+    };
+    const Slot slot{{block.position, block.draco_view.value_or(kNoIndex), attribute.name}};
+    if (auto done = place(slot, make, attributes[attribute.name]); !done) return done;
   }
+  return {};
 }
 
 Result<void> SurfacePatch::patch(const SurfacePrimitive& primitive) {
@@ -216,14 +225,10 @@ Result<void> SurfacePatch::patch(const SurfacePrimitive& primitive) {
     if (auto done = unpack_draco(primitive); !done) return done;
   }
   if (result_.moved) {
-    move(primitive);
-    const auto tangent = primitive.source.attribute("TANGENT");
-    if (tangent && plan_.blocks[primitive.block].normal) {
-      if (auto done = straighten_tangents(primitive, *tangent); !done) return done;
-    }
+    if (auto done = move(primitive); !done) return done;
+    if (auto done = straighten_tangents(primitive); !done) return done;
   }
-  add_attributes(primitive);
-  return {};
+  return add_attributes(primitive);
 }
 
 }  // namespace
@@ -231,13 +236,10 @@ Result<void> SurfacePatch::patch(const SurfacePrimitive& primitive) {
 Result<void> patch_surfaces(const GltfTables& tables, const GltfLayout& layout,
                             std::span<const Surface> surfaces,
                             std::span<const SurfaceResult> results, GltfOutput& output) {
-  if (results.size() != surfaces.size() || layout.plans.size() != surfaces.size()) {
-    return Error{ErrorCode::internal, "There is not one result per surface."};
-  }
+  if (auto done = check_results(surfaces, results); !done) return done;
   const std::vector<std::size_t> references =
       accessor_references(output.json(), tables.accessors.size());
   for (std::size_t i = 0; i < results.size(); ++i) {
-    if (auto done = check_result(surfaces[i], results[i]); !done) return done;
     SurfacePatch patch(tables, layout.draco_meshes, layout.plans[i], results[i], references,
                        output);
     if (auto done = patch.run(); !done) return done;

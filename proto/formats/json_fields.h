@@ -62,7 +62,7 @@ class JsonPlace {
   std::string pointer_;
 };
 
-/// Adds `text` to the array at `key` of an object of the DOM; makes the array where it is absent.
+/// The array at `key` of an object of the DOM, made where it is absent.
 Json& array_of(Json& object, const char* key);
 
 }  // namespace fairway

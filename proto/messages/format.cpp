@@ -2,12 +2,12 @@
 
 #include "proto/messages/format.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <string>
+
+#include <fmt/format.h>
 
 namespace fairway {
 namespace {
@@ -29,7 +29,9 @@ constexpr std::string_view kTake =
     "Send GLB as model/gltf-binary, glTF as model/gltf+json, or GLB, glTF or Draco as "
     "application/octet-stream.";
 
-const FormatRow& row_of(Format format) { return kFormats[static_cast<std::size_t>(format)]; }
+const FormatRow& row_of(Format format) {
+  return kFormats[static_cast<std::size_t>(format)];
+}
 
 std::string lower(std::string_view text) {
   std::string out(text);
@@ -103,9 +105,13 @@ Result<Format> check_version(Format format, std::span<const std::byte> head) {
 
 }  // namespace
 
-std::string_view name_of(Format format) { return row_of(format).name; }
+std::string_view name_of(Format format) {
+  return row_of(format).name;
+}
 
-std::string_view media_type_of(Format format) { return row_of(format).media_type; }
+std::string_view media_type_of(Format format) {
+  return row_of(format).media_type;
+}
 
 std::optional<Format> format_of_name(std::string_view name) {
   const auto* it = std::find_if(kFormats.begin(), kFormats.end(),
@@ -138,7 +144,8 @@ Result<Format> recognise_format(std::span<const std::byte> head, std::string_vie
                  "The upload ends inside the first bytes of its format; send the whole file."};
   }
   if (declared && found != declared) {
-    return unsupported(fmt::format("The content type says {}, the bytes are not.", name_of(*declared)));
+    return unsupported(
+        fmt::format("The content type says {}, the bytes are not.", name_of(*declared)));
   }
   if (found) return check_version(*found, head);
   if (const auto named = format_of_file_name(file_name); named == Format::gltf) return *named;

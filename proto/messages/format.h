@@ -16,7 +16,8 @@ enum class Format { glb, gltf, drc };
 std::string_view name_of(Format format);
 std::optional<Format> format_of_name(std::string_view name);
 
-/// "model/gltf-binary", "model/gltf+json", "application/octet-stream" (Draco has no registered type).
+/// "model/gltf-binary", "model/gltf+json", "application/octet-stream" (Draco has no registered
+/// type).
 std::string_view media_type_of(Format format);
 
 /// The format that a file name's extension names (any case), if it is one of ours.
@@ -25,9 +26,9 @@ std::optional<Format> format_of_file_name(std::string_view file_name);
 /// How many leading bytes recognise_format() looks at.
 inline constexpr std::size_t kMagicBytes = 64;
 
-/// What the first bytes of an upload are: GLB and Draco by magic, glTF by a leading '{' (after white
-/// space and a byte order mark). `declared_type` is the Content-Type (parameters ignored; empty,
-/// application/octet-stream: recognise by magic, then by `file_name`'s extension). Errors:
+/// What the first bytes of an upload are: GLB and Draco by magic, glTF by a leading '{' (after
+/// white space and a byte order mark). `declared_type` is the Content-Type (parameters ignored;
+/// empty, application/octet-stream: recognise by magic, then by `file_name`'s extension). Errors:
 /// malformed_input (nothing there), unsupported_format (a declared type that fairway does not take,
 /// or that the magic contradicts; a GLB or Draco version fairway does not read; unknown bytes).
 Result<Format> recognise_format(std::span<const std::byte> head, std::string_view declared_type,

@@ -3,10 +3,10 @@
 
 #include "proto/messages/json.h"
 
-#include <fmt/format.h>
-
 #include <unordered_set>
 #include <vector>
+
+#include <fmt/format.h>
 
 namespace fairway {
 namespace {
@@ -40,8 +40,9 @@ class StrictBuilder : public nlohmann::json_sax<Json> {
   bool parse_error(std::size_t position, const std::string& /*token*/,
                    const nlohmann::detail::exception& e) override {
     // 406: a number like 1e999 that no double holds.
-    return fail(e.id == 406 ? fmt::format("a number near byte {} is too large for a double", position)
-                            : fmt::format("not valid JSON near byte {}", position));
+    return fail(e.id == 406
+                    ? fmt::format("a number near byte {} is too large for a double", position)
+                    : fmt::format("not valid JSON near byte {}", position));
   }
 
   Json take() { return std::move(root_); }
@@ -66,8 +67,8 @@ class StrictBuilder : public nlohmann::json_sax<Json> {
     Json& parent = *levels_.back().json;
     if (parent.is_array()) return &parent.get_ref<Json::array_t&>().emplace_back(std::move(json));
     // A duplicate was refused in key(), so there is no need to search: append.
-    auto& object = static_cast<std::vector<Json::object_t::value_type>&>(
-        parent.get_ref<Json::object_t&>());
+    auto& object =
+        static_cast<std::vector<Json::object_t::value_type>&>(parent.get_ref<Json::object_t&>());
     object.emplace_back(std::move(key_), std::move(json));
     return &object.back().second;
   }

@@ -2,10 +2,10 @@
 
 #include "proto/messages/object_reader.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace fairway {
 

@@ -54,7 +54,8 @@ class ObjectReader {
       }
     }
     std::string list;
-    for (const Named<T>& named : names) list += (list.empty() ? "" : ", ") + std::string(named.name);
+    for (const Named<T>& named : names)
+      list += (list.empty() ? "" : ", ") + std::string(named.name);
     fail(key, "must be one of " + list);
   }
 

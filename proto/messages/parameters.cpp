@@ -2,8 +2,6 @@
 
 #include "proto/messages/parameters.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,13 +9,15 @@
 #include <span>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "proto/messages/object_reader.h"
 
 namespace fairway {
 namespace {
 
-constexpr std::array<std::string_view, 7> kCurvatureNames = {"k1",          "k2",   "mean", "gaussian",
-                                                             "predominant", "dir1", "dir2"};
+constexpr std::array<std::string_view, 7> kCurvatureNames = {
+    "k1", "k2", "mean", "gaussian", "predominant", "dir1", "dir2"};
 constexpr std::array<std::string_view, 7> kAttributeNames = {
     "_CURVATURE_K1",          "_CURVATURE_K2",   "_CURVATURE_MEAN", "_CURVATURE_GAUSSIAN",
     "_CURVATURE_PREDOMINANT", "_CURVATURE_DIR1", "_CURVATURE_DIR2"};
@@ -77,8 +77,8 @@ std::vector<CurvatureKind> read_curvature(ObjectReader& reader) {
 }
 
 std::optional<Format> read_output(ObjectReader& reader) {
-  constexpr std::array<Named<Format>, 3> kOutputs = {{
-      {"glb", Format::glb}, {"gltf", Format::gltf}, {"drc", Format::drc}}};
+  constexpr std::array<Named<Format>, 3> kOutputs = {
+      {{"glb", Format::glb}, {"gltf", Format::gltf}, {"drc", Format::drc}}};
   std::optional<Format> format;
   if (reader.holds_object("output")) {
     ObjectReader output = reader.object("output");
@@ -93,7 +93,8 @@ std::optional<Format> read_output(ObjectReader& reader) {
 FlowOptions read_flow(ObjectReader& reader) {
   FlowOptions flow;
   reader.choice("method", std::span<const Named<Method>>(kMethods), flow.method);
-  reader.choice("integration", std::span<const Named<Integration>>(kIntegrations), flow.integration);
+  reader.choice("integration", std::span<const Named<Integration>>(kIntegrations),
+                flow.integration);
   reader.integer_or_auto("steps", 0, 10'000, flow.steps);
   reader.number_or_auto("step_size", {1e-9, 1e3}, flow.step_size);
   reader.number_or_auto("feature_angle", {0.01, 180.0}, flow.feature_angle);
@@ -109,7 +110,9 @@ FlowOptions read_flow(ObjectReader& reader) {
   return flow;
 }
 
-Json or_auto(const auto& value) { return value ? Json(*value) : Json("auto"); }
+Json or_auto(const auto& value) {
+  return value ? Json(*value) : Json("auto");
+}
 
 template <class T, std::size_t N>
 std::string_view name_in(const std::array<Named<T>, N>& names, T value) {

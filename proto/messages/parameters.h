@@ -21,10 +21,9 @@ std::string_view attribute_name(CurvatureKind kind);
 /// A whole request: the flow, the attributes, the output.
 struct Parameters {
   FlowOptions flow;
-  std::vector<CurvatureKind> curvature = {CurvatureKind::k1,          CurvatureKind::k2,
-                                          CurvatureKind::mean,        CurvatureKind::gaussian,
-                                          CurvatureKind::predominant, CurvatureKind::dir1,
-                                          CurvatureKind::dir2};
+  std::vector<CurvatureKind> curvature = {
+      CurvatureKind::k1,          CurvatureKind::k2,   CurvatureKind::mean, CurvatureKind::gaussian,
+      CurvatureKind::predominant, CurvatureKind::dir1, CurvatureKind::dir2};
   std::optional<Format> output;  ///< automatic: the format that came (GLB for Draco)
 };
 

@@ -53,7 +53,9 @@ constexpr std::string_view kTypePrefix = "urn:fairway:problem:";
 
 }  // namespace
 
-const ProblemKind& problem_kind(ErrorCode code) { return kKinds[static_cast<std::size_t>(code)]; }
+const ProblemKind& problem_kind(ErrorCode code) {
+  return kKinds[static_cast<std::size_t>(code)];
+}
 
 ErrorCode error_code_of_slug(std::string_view slug) {
   const auto* it = std::find_if(kKinds.begin(), kKinds.end(),

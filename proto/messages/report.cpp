@@ -66,7 +66,8 @@ Json surface_document(const SurfaceReport& surface) {
 
 Json report_document(const JobReport& report) {
   Json surfaces = Json::array();
-  for (const SurfaceReport& surface : report.surfaces) surfaces.push_back(surface_document(surface));
+  for (const SurfaceReport& surface : report.surfaces)
+    surfaces.push_back(surface_document(surface));
   return {{"surfaces", std::move(surfaces)}, {"notes", report.notes}};
 }
 

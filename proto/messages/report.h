@@ -13,7 +13,7 @@ namespace fairway {
 struct SurfaceReport {
   std::string name;
   SurfaceCounts counts;
-  std::size_t vertices = 0;       ///< surface vertices, after welding and splitting
+  std::size_t vertices = 0;  ///< surface vertices, after welding and splitting
   std::size_t faces = 0;
   std::size_t components = 0;
   std::size_t boundary_loops = 0;

@@ -14,7 +14,9 @@ struct Overloaded : Ts... {
 template <class... Ts>
 Overloaded(Ts...) -> Overloaded<Ts...>;
 
-Error not_an_event(std::string what) { return {ErrorCode::malformed_input, std::move(what)}; }
+Error not_an_event(std::string what) {
+  return {ErrorCode::malformed_input, std::move(what)};
+}
 
 std::string text_of(const Json& json, const char* key) {
   const auto it = json.find(key);
@@ -54,19 +56,20 @@ Result<WorkerOrder> parse_worker_order(std::string_view line) {
 
 std::string format_line(const WorkerEvent& event) {
   const Json json = std::visit(
-      Overloaded{[](const Progress& p) -> Json {
-                   return {{"event", "progress"},
-                           {"stage", p.stage},
-                           {"step", p.step},
-                           {"of", p.of},
-                           {"fraction", p.fraction}};
-                 },
-                 [](const Finished& f) -> Json {
-                   return {{"event", "finished"}, {"output", name_of(f.output)}, {"report", f.report}};
-                 },
-                 [](const Failed& f) -> Json {
-                   return {{"event", "failed"}, {"problem", problem_document(f.error)}};
-                 }},
+      Overloaded{
+          [](const Progress& p) -> Json {
+            return {{"event", "progress"},
+                    {"stage", p.stage},
+                    {"step", p.step},
+                    {"of", p.of},
+                    {"fraction", p.fraction}};
+          },
+          [](const Finished& f) -> Json {
+            return {{"event", "finished"}, {"output", name_of(f.output)}, {"report", f.report}};
+          },
+          [](const Failed& f) -> Json {
+            return {{"event", "failed"}, {"problem", problem_document(f.error)}};
+          }},
       event);
   return dump_json(json) + "\n";
 }

@@ -38,7 +38,8 @@ struct CompareCommand {
 };
 Result<void> run(const CompareCommand& command);
 
-/// `fairway worker`: one job of fairwayd, see proto/messages/worker_protocol.h. Returns the exit code.
+/// `fairway worker`: one job of fairwayd, see proto/messages/worker_protocol.h. Returns the exit
+/// code.
 struct WorkerCommand {
   std::uint64_t address_space = 0;  ///< bytes; 0 = no limit
   std::uint64_t cpu_seconds = 0;    ///< 0 = no limit

@@ -1,10 +1,10 @@
 // `fairway denoise`: the pipeline by hand, with a progress bar on a terminal.
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "proto/messages/parameters.h"
 #include "server/fairway/commands.h"
@@ -45,8 +45,8 @@ void draw_bar(const Progress& progress) {
   bar.resize(kWidth, '.');
   const std::string steps =
       progress.of > 0 ? fmt::format(" {}/{}", progress.step, progress.of) : std::string();
-  fmt::print(stderr, "\r[{}] {:3.0f} %  {}{}\033[K", bar, 100.0 * progress.fraction,
-             progress.stage, steps);
+  fmt::print(stderr, "\r[{}] {:3.0f} %  {}{}\033[K", bar, 100.0 * progress.fraction, progress.stage,
+             steps);
   std::fflush(stderr);
 }
 
@@ -56,9 +56,10 @@ void print_report(const JobReport& report) {
     fmt::print("{}: {} vertices, {} faces, noise about {:.3f} mean edge lengths\n", surface.name,
                surface.vertices, surface.faces, flow.noise);
     if (!flow.steps.empty()) {
-      fmt::print("  {} steps of {:.3g}, feature angle {:.1f} degrees, moved {:.3f} mean edges (rms)\n",
-                 flow.steps.size(), flow.step_size, flow.steps.back().feature_angle,
-                 flow.rms_displacement);
+      fmt::print(
+          "  {} steps of {:.3g}, feature angle {:.1f} degrees, moved {:.3f} mean edges (rms)\n",
+          flow.steps.size(), flow.step_size, flow.steps.back().feature_angle,
+          flow.rms_displacement);
     }
     if (surface.boundary_loops == 0 && flow.volume_before != 0.0) {
       fmt::print("  volume {:+.3f} %\n", 100.0 * (flow.volume_after / flow.volume_before - 1.0));
@@ -81,9 +82,9 @@ Result<void> run(const DenoiseCommand& command) {
   if (!format) return format.error();
 
   const bool bar = !command.quiet && isatty(STDERR_FILENO) != 0;
-  const Result<PipelineOutput> output = run_pipeline(
-      input->bytes(), *format, *parameters, bar ? ProgressObserver(draw_bar) : ProgressObserver(),
-      {});
+  const Result<PipelineOutput> output =
+      run_pipeline(input->bytes(), *format, *parameters,
+                   bar ? ProgressObserver(draw_bar) : ProgressObserver(), {});
   if (bar) fmt::print(stderr, "\r\033[K");
   if (!output) return output.error();
   if (Result<void> written = write_file(command.output, output->bytes); !written) return written;

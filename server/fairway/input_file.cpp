@@ -2,12 +2,12 @@
 
 #include "server/fairway/input_file.h"
 
+#include <cerrno>
+#include <filesystem>
+
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-
-#include <cerrno>
-#include <filesystem>
 
 #include "server/os/file.h"
 #include "server/os/random_id.h"

@@ -1,11 +1,11 @@
 // The tool: denoise a file by hand, make and compare samples, work for fairwayd.
 
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <functional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "proto/messages/problem.h"
 #include "server/fairway/commands.h"
@@ -55,17 +55,21 @@ class Tool {
   void add_denoise() {
     CLI::App* verb = app_.add_subcommand("denoise", "Remove noise from a mesh and add curvature");
     verb->add_option("IN", denoise_.input, "GLB, self-contained glTF or Draco file")->required();
-    verb->add_option("OUT", denoise_.output, "Result; the extension chooses .glb or .gltf")->required();
-    verb->add_option("--params", denoise_.parameters, "Parameters: JSON text or a file that holds it");
+    verb->add_option("OUT", denoise_.output, "Result; the extension chooses .glb or .gltf")
+        ->required();
+    verb->add_option("--params", denoise_.parameters,
+                     "Parameters: JSON text or a file that holds it");
     verb->add_flag("--quiet,-q", denoise_.quiet, "Print errors only");
     verb->callback(choose(denoise_));
   }
 
   void add_sample() {
     CLI::App* verb = app_.add_subcommand("sample", "Make a noisy mesh to try things on");
-    verb->add_option("SHAPE", sample_.shape, "ring, sphere, octahedron, torus or sheet")->required();
+    verb->add_option("SHAPE", sample_.shape, "ring, sphere, octahedron, torus or sheet")
+        ->required();
     verb->add_option("OUT", sample_.output, "GLB file to write")->required();
-    verb->add_option("--clean", sample_.clean, "Also write the mesh without noise to this GLB file");
+    verb->add_option("--clean", sample_.clean,
+                     "Also write the mesh without noise to this GLB file");
     verb->add_option("--size", sample_.size, "Resolution; every shape has a default");
     verb->add_option("--noise", sample_.noise, "Standard deviation in mean edge lengths")
         ->check(CLI::Range(0.0, 10.0))
@@ -75,7 +79,8 @@ class Tool {
   }
 
   void add_compare() {
-    CLI::App* verb = app_.add_subcommand("compare", "Mean angle between the face normals of two meshes");
+    CLI::App* verb =
+        app_.add_subcommand("compare", "Mean angle between the face normals of two meshes");
     verb->add_option("REFERENCE", compare_.reference, "The clean mesh")->required();
     verb->add_option("MESH", compare_.mesh, "A mesh with the same triangles")->required();
     verb->callback(choose(compare_));

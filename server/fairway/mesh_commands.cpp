@@ -1,11 +1,11 @@
 // `fairway sample` and `fairway compare`: generated meshes, and how far one is from another.
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <string_view>
+
+#include <fmt/format.h>
 
 #include "core/shapes.h"
 #include "proto/formats/document.h"
@@ -36,8 +36,8 @@ Result<IndexedMesh> make_shape(const SampleCommand& command) {
     if (shape.name != command.shape) continue;
     const Index size = command.size == 0 ? shape.default_size : command.size;
     if (size > shape.largest_size) {
-      return Error{ErrorCode::usage, fmt::format("A {} has at most --size {}.", shape.name,
-                                                 shape.largest_size)};
+      return Error{ErrorCode::usage,
+                   fmt::format("A {} has at most --size {}.", shape.name, shape.largest_size)};
     }
     return shape.make(size < 2 ? 2 : size);
   }

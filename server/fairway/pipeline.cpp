@@ -2,13 +2,13 @@
 
 #include "server/fairway/pipeline.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "core/curvature.h"
 #include "core/denoise.h"
@@ -85,13 +85,20 @@ VertexAttribute vector_attribute(CurvatureKind kind, const std::vector<Vec3>& va
 
 VertexAttribute attribute(CurvatureKind kind, const CurvatureFields& fields) {
   switch (kind) {
-    case CurvatureKind::k1: return scalar_attribute(kind, fields.k1);
-    case CurvatureKind::k2: return scalar_attribute(kind, fields.k2);
-    case CurvatureKind::mean: return scalar_attribute(kind, fields.mean);
-    case CurvatureKind::gaussian: return scalar_attribute(kind, fields.gaussian);
-    case CurvatureKind::predominant: return scalar_attribute(kind, fields.predominant);
-    case CurvatureKind::dir1: return vector_attribute(kind, fields.dir1);
-    case CurvatureKind::dir2: break;
+    case CurvatureKind::k1:
+      return scalar_attribute(kind, fields.k1);
+    case CurvatureKind::k2:
+      return scalar_attribute(kind, fields.k2);
+    case CurvatureKind::mean:
+      return scalar_attribute(kind, fields.mean);
+    case CurvatureKind::gaussian:
+      return scalar_attribute(kind, fields.gaussian);
+    case CurvatureKind::predominant:
+      return scalar_attribute(kind, fields.predominant);
+    case CurvatureKind::dir1:
+      return vector_attribute(kind, fields.dir1);
+    case CurvatureKind::dir2:
+      break;
   }
   return vector_attribute(kind, fields.dir2);
 }

@@ -1,16 +1,16 @@
 // `fairway worker`: one job of fairwayd. Untrusted bytes are parsed in this process only, under the
 // limits it sets for itself before it looks at the first of them.
 
+#include <new>
+#include <span>
+#include <string>
+
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include <new>
-#include <span>
-#include <string>
 
 #include "proto/messages/problem.h"
 #include "proto/messages/worker_protocol.h"
@@ -28,7 +28,9 @@ constexpr int kOutput = 1;
 constexpr int kEvents = 2;
 
 /// The server is gone: nobody wants the result any more.
-[[noreturn]] void leave() { _exit(problem_kind(ErrorCode::canceled).exit_code); }
+[[noreturn]] void leave() {
+  _exit(problem_kind(ErrorCode::canceled).exit_code);
+}
 
 void send(const WorkerEvent& event) {
   const std::string line = format_line(event);
@@ -46,10 +48,9 @@ bool limit(__rlimit_resource resource, std::uint64_t value) {
 }
 
 Result<void> confine(const WorkerCommand& command) {
-  const bool confined = prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 &&
-                        prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
-                        limit(RLIMIT_AS, command.address_space) &&
-                        limit(RLIMIT_CPU, command.cpu_seconds);
+  const bool confined =
+      prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
+      limit(RLIMIT_AS, command.address_space) && limit(RLIMIT_CPU, command.cpu_seconds);
   const rlimit no_core = {0, 0};
   if (!confined || setrlimit(RLIMIT_CORE, &no_core) != 0) {
     return Error{ErrorCode::internal, "The worker cannot confine itself."};

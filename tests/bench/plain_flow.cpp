@@ -188,6 +188,8 @@ Vec3 PlainFlow::position(Index vertex) const {
   return {p[0], p[1], p[2]};
 }
 
-std::size_t plain_topology(const IndexedMesh& mesh) { return build(mesh).n_faces(); }
+std::size_t plain_topology(const IndexedMesh& mesh) {
+  return build(mesh).n_faces();
+}
 
 }  // namespace fairway::bench

@@ -3,8 +3,9 @@
 #include "core/curvature.h"
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <cmath>
+
+#include <catch2/catch.hpp>
 
 #include "core/shapes.h"
 

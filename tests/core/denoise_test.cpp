@@ -3,8 +3,9 @@
 #include "core/denoise.h"
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <cmath>
+
+#include <catch2/catch.hpp>
 
 #include "core/normals.h"
 #include "core/shapes.h"
@@ -193,9 +194,9 @@ TEST_CASE("progress comes after each step and a stop ends the run between two") 
 TEST_CASE("normals keep hard edges hard and seams smooth") {
   // Two coplanar triangles over a seam (equal normals), one upright triangle at a hard edge.
   IndexedMesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0},               // flat
-                    {1, 0, 0}, {1, 1, 0.2}, {0, 1, 0},             // flat, other side of the seam
-                    {0, 0, 0}, {0, 0, -1}, {1, 0, 0}};             // upright
+  mesh.positions = {{0, 0, 0}, {1, 0, 0},   {0, 1, 0},   // flat
+                    {1, 0, 0}, {1, 1, 0.2}, {0, 1, 0},   // flat, other side of the seam
+                    {0, 0, 0}, {0, 0, -1},  {1, 0, 0}};  // upright
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
   const std::vector<Index> place = {0, 1, 2, 1, 3, 2, 0, 4, 1};
   const Vec3 up(0, 0, 1);

@@ -1,9 +1,10 @@
 #include "tests/core/golden_case.h"
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <fstream>
 #include <sstream>
+
+#include <catch2/catch.hpp>
 
 namespace fairway::test {
 namespace {
@@ -51,7 +52,8 @@ std::vector<double> GoldenCase::numbers(const std::string& array) const {
 std::vector<Vec3> GoldenCase::vectors(const std::string& array) const {
   const std::vector<double> flat = numbers(array);
   std::vector<Vec3> out;
-  for (std::size_t i = 0; i + 2 < flat.size(); i += 3) out.emplace_back(flat[i], flat[i + 1], flat[i + 2]);
+  for (std::size_t i = 0; i + 2 < flat.size(); i += 3)
+    out.emplace_back(flat[i], flat[i + 1], flat[i + 2]);
   return out;
 }
 
@@ -78,8 +80,8 @@ FlowOptions golden_options(const Json& p, double mean_edge) {
   options.step_size = p.at("s").get<double>() / (mean_edge * mean_edge);
   options.boundary = p.at("boundary") == "fixed" ? Boundary::fixed : Boundary::free;
   options.curvature_smoothing = {p.at("smooth_iter"), p.at("smooth_mu")};
-  options.conventions = p.at("hs") == "all" && p.at("mix") == "all" ? Conventions::paper
-                                                                     : Conventions::recommended;
+  options.conventions =
+      p.at("hs") == "all" && p.at("mix") == "all" ? Conventions::paper : Conventions::recommended;
   options.guards = {.unfold = false, .min_component = 0, .local_step = false};
   return options;
 }

@@ -2,8 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
+
+#include <catch2/catch.hpp>
 
 #include "core/curvature.h"
 #include "core/denoise.h"
@@ -36,8 +37,7 @@ struct Computed {
   std::vector<Vec3> smoothed(Conventions conventions) const {
     std::vector<Vec3> out;
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
-      out.push_back(
-          smoothed_mean_curvature(mesh, x, faces, ha, features.vertex, conventions, v));
+      out.push_back(smoothed_mean_curvature(mesh, x, faces, ha, features.vertex, conventions, v));
     }
     return out;
   }
@@ -53,7 +53,8 @@ struct Computed {
   std::vector<Vec3> h, ha;
 };
 
-void check_numbers(const GoldenCase& golden, const std::string& name, const std::vector<double>& ours) {
+void check_numbers(const GoldenCase& golden, const std::string& name,
+                   const std::vector<double>& ours) {
   const std::vector<double> theirs = golden.numbers(name);
   REQUIRE(ours.size() == theirs.size());
   double scale = 0.0;
@@ -66,7 +67,8 @@ void check_numbers(const GoldenCase& golden, const std::string& name, const std:
   CHECK(most <= 1e-9 * scale);
 }
 
-void check_vectors(const GoldenCase& golden, const std::string& name, const std::vector<Vec3>& ours) {
+void check_vectors(const GoldenCase& golden, const std::string& name,
+                   const std::vector<Vec3>& ours) {
   const std::vector<Vec3> theirs = golden.vectors(name);
   double scale = 0.0;
   for (const Vec3& v : theirs) scale = std::max(scale, v.cwiseAbs().maxCoeff());

@@ -1,6 +1,7 @@
 // The packed kernels against the plain operators.
 
 #include <Eigen/Geometry>
+
 #include <catch2/catch.hpp>
 
 #include "core/denoise.h"

@@ -1,10 +1,11 @@
 // Identities of the operators.
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 #include <numeric>
+
+#include <catch2/catch.hpp>
 
 #include "core/edge_geometry.h"
 #include "core/guards.h"
@@ -33,7 +34,9 @@ double total(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-IndexedMesh bumpy(const IndexedMesh& mesh) { return with_normal_noise(mesh, 0.2, 7); }
+IndexedMesh bumpy(const IndexedMesh& mesh) {
+  return with_normal_noise(mesh, 0.2, 7);
+}
 
 }  // namespace
 
@@ -148,7 +151,9 @@ TEST_CASE("small groups of strong edges are noise, large ones features") {
   const double lambda = lambda_of_feature_angle(20.0, s.mean_edge);
   const Features all = detect_features(s.mesh, s.edges, lambda, 10.0, 0);
   const Features large = detect_features(s.mesh, s.edges, lambda, 10.0, 12);
-  const auto count = [](const Features& f) { return std::accumulate(f.vertex.begin(), f.vertex.end(), 0); };
+  const auto count = [](const Features& f) {
+    return std::accumulate(f.vertex.begin(), f.vertex.end(), 0);
+  };
   CHECK(count(large) > 100);
   CHECK(count(all) > count(large));
   CHECK(all.vertex[100] == 1);

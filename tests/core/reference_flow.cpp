@@ -21,9 +21,11 @@ std::vector<Vec3> velocity(const TriangleMesh& mesh, std::span<const Vec3> x,
   const EdgeCurvature edges = edge_mean_curvature(mesh, x, faces);
   Features features{{}, std::vector<unsigned char>(mesh.vertex_count())};
   if (is_anisotropic(options.method)) {
-    const double lambda =
-        options.lambda ? *options.lambda : lambda_of_feature_angle(*options.feature_angle, mean_edge);
-    features = detect_features(mesh, edges, lambda, options.transition, options.guards.min_component);
+    const double lambda = options.lambda
+                              ? *options.lambda
+                              : lambda_of_feature_angle(*options.feature_angle, mean_edge);
+    features =
+        detect_features(mesh, edges, lambda, options.transition, options.guards.min_component);
   }
   std::vector<Vec3> out = mean_curvature_vector(mesh, edges, features.weights);
   if (!is_prescribed(options.method)) return out;

@@ -3,8 +3,9 @@
 #include "core/shapes.h"
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <numbers>
+
+#include <catch2/catch.hpp>
 
 #include "core/halfedge.h"
 #include "core/surface_geometry.h"

@@ -3,8 +3,9 @@
 #include "core/triangle_mesh.h"
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <limits>
+
+#include <catch2/catch.hpp>
 
 #include "core/halfedge.h"
 #include "core/shapes.h"

@@ -2,8 +2,9 @@
 
 #include "proto/messages/format.h"
 
-#include <catch2/catch.hpp>
 #include <string>
+
+#include <catch2/catch.hpp>
 
 namespace fairway::test {
 namespace {
@@ -43,8 +44,10 @@ TEST_CASE("a declared type that the bytes contradict is an unsupported format") 
 }
 
 TEST_CASE("versions fairway does not read are unsupported formats") {
-  CHECK(recognise(std::string("glTF\x01\0\0\0", 8), "").error().code == ErrorCode::unsupported_format);
-  CHECK(recognise(std::string("DRACO\x09\x09", 7), "").error().code == ErrorCode::unsupported_format);
+  CHECK(recognise(std::string("glTF\x01\0\0\0", 8), "").error().code ==
+        ErrorCode::unsupported_format);
+  CHECK(recognise(std::string("DRACO\x09\x09", 7), "").error().code ==
+        ErrorCode::unsupported_format);
 }
 
 TEST_CASE("nothing, and a magic cut short, are malformed") {

@@ -2,8 +2,9 @@
 
 #include "proto/messages/json.h"
 
-#include <catch2/catch.hpp>
 #include <string>
+
+#include <catch2/catch.hpp>
 
 namespace fairway::test {
 

@@ -2,8 +2,9 @@
 
 #include "proto/messages/parameters.h"
 
-#include <catch2/catch.hpp>
 #include <string>
+
+#include <catch2/catch.hpp>
 
 namespace fairway::test {
 namespace {
@@ -73,7 +74,8 @@ TEST_CASE("a parameter document survives the round trip") {
 }
 
 TEST_CASE("what is not JSON is malformed, what is no object invalid") {
-  for (const char* text : {"{", "{\"steps\":NaN}", "{\"steps\":Infinity}", "{} x", "{\"a\":1,\"a\":2}"}) {
+  for (const char* text :
+       {"{", "{\"steps\":NaN}", "{\"steps\":Infinity}", "{} x", "{\"a\":1,\"a\":2}"}) {
     check_refused(text, ErrorCode::malformed_parameters, "");
   }
   for (const char* text : {"null", "[]", "\"steps\"", "3"}) {
@@ -85,7 +87,8 @@ TEST_CASE("wrong types, ranges and unknown keys are refused with the pointer of 
   const auto refused = [](const std::string& text, const std::string& pointer) {
     check_refused(text, ErrorCode::invalid_parameters, pointer);
   };
-  for (const char* value : {"-1", "1000000000", "2147483648", "1.5", "true", "null", "\"5\"", "[]"}) {
+  for (const char* value :
+       {"-1", "1000000000", "2147483648", "1.5", "true", "null", "\"5\"", "[]"}) {
     refused(std::string(R"({"steps":)") + value + "}", "/steps");
   }
   for (const char* value : {"-0.5", "0", "\"0.5\"", "1e308", "null"}) {

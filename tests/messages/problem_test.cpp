@@ -2,8 +2,9 @@
 
 #include "proto/messages/problem.h"
 
-#include <catch2/catch.hpp>
 #include <set>
+
+#include <catch2/catch.hpp>
 
 namespace fairway::test {
 

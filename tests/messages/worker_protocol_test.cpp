@@ -35,7 +35,8 @@ TEST_CASE("events survive the wire") {
   CHECK(progress.step == 3);
   CHECK(progress.of == 100);
   CHECK(progress.fraction == 0.25);
-  const auto finished = std::get<Finished>(round_trip(Finished{Format::glb, {{"notes", {"a\nb"}}}}));
+  const auto finished =
+      std::get<Finished>(round_trip(Finished{Format::glb, {{"notes", {"a\nb"}}}}));
   CHECK(finished.output == Format::glb);
   CHECK(finished.report["notes"][0] == "a\nb");
   const auto failed = std::get<Failed>(round_trip(Failed{{ErrorCode::diverged, "No.", "/x"}}));
@@ -44,9 +45,9 @@ TEST_CASE("events survive the wire") {
 }
 
 TEST_CASE("lines that are no events are refused") {
-  for (const char* line : {"", "warning: something", "[]", "{}", R"({"event":"dance"})",
-                           R"({"event":"finished","output":"exe","report":{}})",
-                           R"({"event":"failed"})"}) {
+  for (const char* line :
+       {"", "warning: something", "[]", "{}", R"({"event":"dance"})",
+        R"({"event":"finished","output":"exe","report":{}})", R"({"event":"failed"})"}) {
     CHECK_FALSE(parse_worker_event(line));
   }
 }

@@ -1,10 +1,10 @@
 #include "tests/tool/run_tool.h"
 
-#include <fcntl.h>
-
-#include <catch2/catch.hpp>
 #include <fstream>
 #include <iterator>
+
+#include <catch2/catch.hpp>
+#include <fcntl.h>
 
 #include "proto/formats/fresh_gltf.h"
 #include "server/os/child_process.h"
@@ -42,7 +42,8 @@ Bytes read_bytes(const std::filesystem::path& path) {
 
 void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {
   std::ofstream out(path, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
   REQUIRE(out.good());
 }
 

@@ -11,7 +11,7 @@ namespace fairway::test {
 
 /// How a run of the fairway program ended.
 struct ToolRun {
-  int exit_code = 0;  ///< −1 if a signal ended it
+  int exit_code = 0;   ///< −1 if a signal ended it
   std::string output;  ///< standard output and error together
 };
 

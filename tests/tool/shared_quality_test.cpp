@@ -1,8 +1,9 @@
 // The real models that stand beside the project, where they are there.
 
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
+
+#include <catch2/catch.hpp>
 
 #include "tests/service/temporary_directory.h"
 #include "tests/tool/run_tool.h"

@@ -1,7 +1,8 @@
 // The tool as a person runs it.
 
-#include <catch2/catch.hpp>
 #include <cmath>
+
+#include <catch2/catch.hpp>
 
 #include "core/shapes.h"
 #include "tests/formats/tinygltf_reader.h"
@@ -25,7 +26,9 @@ struct Workplace {
   std::filesystem::path in, out;
 };
 
-IndexedMesh noisy_sphere() { return with_normal_noise(sphere(3, 1.0), 0.2, 1); }
+IndexedMesh noisy_sphere() {
+  return with_normal_noise(sphere(3, 1.0), 0.2, 1);
+}
 
 }  // namespace
 
@@ -34,7 +37,8 @@ TEST_CASE("a sphere of radius 2 comes back with k1 = k2 = 0.5 within 1 %") {
   REQUIRE(place.denoise().exit_code == 0);
   const OtherReading result = read_with_tinygltf(read_bytes(place.out), Format::glb);
   REQUIRE(result.loaded);
-  for (const char* name : {"_CURVATURE_K1", "_CURVATURE_K2", "_CURVATURE_MEAN", "_CURVATURE_PREDOMINANT"}) {
+  for (const char* name :
+       {"_CURVATURE_K1", "_CURVATURE_K2", "_CURVATURE_MEAN", "_CURVATURE_PREDOMINANT"}) {
     INFO(name);
     REQUIRE(result.attributes.count(name) == 1);
     for (const float k : result.attributes.at(name)) CHECK(k == Approx(0.5F).epsilon(0.01));
