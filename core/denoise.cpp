@@ -9,7 +9,6 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "core/edge_geometry.h"
@@ -54,7 +53,7 @@ class FlowRun {
   void unfold_if_folded();
   bool is_clean();
   bool noise_is_removed() const;
-  std::optional<FlowStep> step(int number);
+  Result<FlowStep> step(int number);
   double choose_feature_angle() const;
   FlowReport finish();
 
@@ -126,14 +125,27 @@ double FlowRun::choose_feature_angle() const {
   return std::clamp(kFeatureDeviations * bend, kSmallestFeatureAngle, kLargestFeatureAngle);
 }
 
-/// Nothing where the positions left all bounds.
-std::optional<FlowStep> FlowRun::step(int number) {
+Result<FlowStep> FlowRun::step(int number) {
   FlowStep step{.step = number, .of = most_steps_};
   if (is_anisotropic(options_.method)) {
     step.feature_angle = choose_feature_angle();
     step.lambda = options_.lambda.value_or(lambda_of_feature_angle(step.feature_angle, mean_edge_));
   }
-  if (!flow_->step(step.lambda / mean_edge_, report_.step_size, bound_)) return std::nullopt;
+  const PackedFlow::Outcome outcome =
+      flow_->step(step.lambda / mean_edge_, report_.step_size, bound_);
+  if (!outcome.solved) {
+    return Error{ErrorCode::diverged,
+                 "The linear system of step " + std::to_string(number) +
+                     " has no solution within reach; use a smaller step_size."};
+  }
+  if (!outcome.in_bounds) {
+    return Error{ErrorCode::diverged,
+                 "The flow left all bounds at step " + std::to_string(number) +
+                     "; use a smaller step_size or leave guards.local_step on."};
+  }
+  step.step_size = outcome.time_step;
+  step.solver_iterations = outcome.solver_iterations;
+  step.solver_residual = outcome.solver_residual;
   step.displacement = flow_->displacement();
   return step;
 }
@@ -148,6 +160,10 @@ FlowReport FlowRun::finish() {
   report_.area_after = surface_area(after);
   for (std::size_t f = 0; f < after.normals.size(); ++f) {
     if (before.normals[f].dot(after.normals[f]) < 0.0) ++report_.flipped_faces;
+  }
+  if (report_.halved_steps > 0) {
+    report_.notes.push_back(std::to_string(report_.halved_steps) +
+                            " steps were halved until their linear systems could be solved.");
   }
   double sum = 0.0;
   double most = 0.0;
@@ -167,12 +183,9 @@ Result<Denoised> FlowRun::run(const FlowObserver& observer, const std::stop_toke
     if (stop.stop_requested()) {
       return Error{ErrorCode::canceled, "The run was canceled between two steps."};
     }
-    const std::optional<FlowStep> done = step(number);
-    if (!done) {
-      return Error{ErrorCode::diverged,
-                   "The flow left all bounds at step " + std::to_string(number) +
-                       "; use a smaller step_size or leave guards.local_step on."};
-    }
+    const Result<FlowStep> done = step(number);
+    if (!done) return done.error();
+    if (done->step_size < report_.step_size) ++report_.halved_steps;
     report_.steps.push_back(*done);
     if (observer) observer(*done);
   }

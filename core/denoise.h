@@ -16,11 +16,14 @@ namespace fairway {
 
 /// One step as it was done.
 struct FlowStep {
-  int step = 0;                ///< 1-based
-  int of = 0;                  ///< the most steps there can be
-  double feature_angle = 0.0;  ///< degrees; 0 for isotropic flows
-  double lambda = 0.0;         ///< length; 0 for isotropic flows
-  double displacement = 0.0;   ///< rms displacement along the start normals so far, in mean edges
+  int step = 0;                  ///< 1-based
+  int of = 0;                    ///< the most steps there can be
+  double feature_angle = 0.0;    ///< degrees; 0 for isotropic flows
+  double lambda = 0.0;           ///< length; 0 for isotropic flows
+  double displacement = 0.0;     ///< rms displacement along the start normals so far, in mean edges
+  double step_size = 0.0;        ///< τ as done
+  int solver_iterations = 0;     ///< of the linear system, where there is one
+  double solver_residual = 0.0;  ///< its true relative residual
 };
 
 /// What a run found, chose and did.
@@ -29,6 +32,7 @@ struct FlowReport {
   double noise = 0.0;             ///< σ̂ / L at the start, after unfolding
   double step_size = 0.0;         ///< τ as used
   int unfold_rounds = 0;
+  int halved_steps = 0;  ///< steps made smaller because their system was not solved
   std::vector<FlowStep> steps;
   double volume_before = 0.0;  ///< signed, about the centroid; length³
   double volume_after = 0.0;

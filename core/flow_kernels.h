@@ -47,6 +47,9 @@ struct KernelFields {
   std::uint8_t* strong;   ///< per column, a bit per lane: |H_e| > λ
 };
 
+/// How f is found; the values of CurvatureMeasure.
+enum class KernelMeasure { length, project, mass };
+
 /// The numbers of one step.
 template <class Real>
 struct StepNumbers {
@@ -55,6 +58,7 @@ struct StepNumbers {
   Real transition;  ///< r
   bool local_step;  ///< c = min(s / M_pp, ½ / K_pp)
   bool prescribed;  ///< direction and value are wanted
+  KernelMeasure measure = KernelMeasure::length;
 };
 
 /// How the moving pass averages f and where it writes.

@@ -328,8 +328,17 @@ void curvature(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
     if (!numbers.prescribed) continue;
     const Vectors<Real> volume = sums.area_vector * (zero + static_cast<Real>(1.0 / 6.0));
     const V squared = dot(volume, volume);
-    V f = square_root(dot(h, h) / squared);
-    f = dot(h, volume) < zero ? -f : f;
+    const V along = dot(h, volume);
+    V f;
+    if (numbers.measure == KernelMeasure::project) {
+      f = along / squared;
+    } else if (numbers.measure == KernelMeasure::mass) {
+      f = 6 * square_root(dot(h, h)) / sums.twice_area;
+      f = along < zero ? -f : f;
+    } else {
+      f = square_root(dot(h, h) / squared);
+      f = along < zero ? -f : f;
+    }
     f = squared > zero ? f : zero;
     store_quads<Real>(fields.direction + slot, volume, zero);
     store<Real>(fields.value + slot, clear_lowest_bit(f));

@@ -13,7 +13,15 @@ enum class Method {
   anisotropic_prescribed,  ///< anisotropic prescribed mean curvature flow (PMC), eq. (11)
 };
 
-enum class Integration { explicit_euler };
+/// `semi_implicit`: eqs. (12), (13), one nonsymmetric linear system a step.
+enum class Integration { explicit_euler, semi_implicit };
+
+/// Mass matrix M; after (7). Automatic: lumped for explicit steps, full for semi-implicit ones.
+enum class Mass { lumped, full };
+
+/// How f is found from H_A and V_A: by length, by projection ⟨H_A, V_A⟩/|V_A|², or f = M⁻¹ H (the
+/// paper's first choice for the isotropic flow, not stationary on constant mean curvature).
+enum class CurvatureMeasure { length, project, mass };
 
 /// `free`: the formulas as they stand. `fixed`: boundary vertices do not move.
 enum class Boundary { free, fixed };
@@ -39,6 +47,8 @@ struct Guards {
 struct FlowOptions {
   Method method = Method::anisotropic_prescribed;
   Integration integration = Integration::explicit_euler;
+  std::optional<Mass> mass;
+  CurvatureMeasure measure = CurvatureMeasure::length;
   std::optional<int> steps;             ///< automatic: until the noise found is removed
   std::optional<double> step_size;      ///< τ, dimensionless: s = τ L²; automatic: 0.1
   std::optional<double> feature_angle;  ///< degrees, λ = 2 L sin(angle / 2); automatic: per step

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/edge_geometry.h"
+#include "core/implicit_system.h"
 #include "core/median.h"
 #include "core/packed_mesh.h"
 #include "core/strong_groups.h"
@@ -30,6 +31,9 @@ constexpr double kFolded = 3.0;
 // |H_A^s| below this many mean edges has no direction.
 constexpr double kNoDirection = 1e-14;
 constexpr double kMedianOfNormal = 0.6745;
+constexpr double kSolverTolerance = 1e-12;
+constexpr int kSolverIterations = 1000;
+constexpr int kMostHalvings = 6;
 
 template <class Real>
 using Stored = Quad<typename StoredCoordinate<Real>::Type>;
@@ -69,7 +73,8 @@ class Flow final : public PackedFlow {
   Bends bends(bool sampled) override;
   double roughness() override;
   void mark_start() override;
-  bool step(double lambda, double time_step, double bound) override;
+  Outcome step(double lambda, double time_step, double bound) override;
+  std::vector<unsigned char> features() const override;
   double displacement() override;
   std::size_t kernel_bytes() const override;
   std::vector<Vec3> positions(std::span<const Vec3> start) const override;
@@ -89,6 +94,11 @@ class Flow final : public PackedFlow {
   Real curvature_value(Index slot) const;
   Vector<Real> smoothed_curvature(Index slot) const;
   bool move(const MoveNumbers<Real>& numbers, double bound);
+  bool needs_system() const;
+  void average_values(const MoveNumbers<Real>& numbers);
+  Outcome solve_step(const StepNumbers<Real>& numbers, double bound);
+  Outcome move_by_solution(std::span<const Quad<double>> velocity, const StepNumbers<Real>& numbers,
+                           double bound);
   void coarsen();
   Vector<Real> between(Index from, Index to) const;
   bool is_feature(Index slot) const { return (bits(value_[slot]) & 1U) != 0; }
@@ -111,6 +121,7 @@ class Flow final : public PackedFlow {
   std::vector<std::uint8_t> strong_;
   std::vector<Index> held_;  // slots
   StrongGroups groups_;
+  std::optional<ImplicitSystem> system_;
 };
 
 template <class Real>
@@ -275,9 +286,10 @@ template <class Real>
 Real Flow<Real>::curvature_value(Index slot) const {
   const Vector<Real> h = vector_of(curvature_[slot]);
   const Vector<Real> v = vector_of(direction_[slot]);
-  const Real size = length(v);
-  if (size == 0) return 0;
-  const Real f = length(h) / size;
+  const Real squared = dot(v, v);
+  if (squared == 0) return 0;
+  if (options_.measure == CurvatureMeasure::project) return dot(h, v) / squared;
+  const Real f = length(h) / std::sqrt(squared);
   return dot(h, v) < 0 ? -f : f;
 }
 
@@ -345,20 +357,23 @@ void Flow<Real>::apply_features(const StepNumbers<Real>& numbers) {
   });
 }
 
+/// One smoothing pass of f.
+template <class Real>
+void Flow<Real>::average_values(const MoveNumbers<Real>& numbers) {
+  other_value_.resize(value_.size());
+  team_.for_ranges(packed_.slices().size(), kGrain, [&](std::size_t first, std::size_t last) {
+    kernels_.average(kernel_mesh(), numbers, value_.data(), static_cast<Index>(first),
+                     static_cast<Index>(last), other_value_.data());
+  });
+  value_.swap(other_value_);
+}
+
 /// All smoothing passes but the last, which move() does on the way.
 template <class Real>
 void Flow<Real>::smooth_values(MoveNumbers<Real>& numbers) {
   const CurvatureSmoothing& smoothing = options_.curvature_smoothing;
   numbers.fraction = smoothing.passes > 0 ? static_cast<Real>(smoothing.fraction) : Real{0};
-  if (smoothing.passes <= 1) return;
-  other_value_.resize(value_.size());
-  for (int pass = 1; pass < smoothing.passes; ++pass) {
-    team_.for_ranges(packed_.slices().size(), kGrain, [&](std::size_t first, std::size_t last) {
-      kernels_.average(kernel_mesh(), numbers, value_.data(), static_cast<Index>(first),
-                       static_cast<Index>(last), other_value_.data());
-    });
-    value_.swap(other_value_);
-  }
+  for (int pass = 1; pass < smoothing.passes; ++pass) average_values(numbers);
 }
 
 /// Doubles the room of fixed-point coordinates twice.
@@ -394,25 +409,123 @@ bool Flow<Real>::move(const MoveNumbers<Real>& numbers, double bound) {
   return true;
 }
 
+/// Everything but a lumped explicit step solves a linear system.
 template <class Real>
-bool Flow<Real>::step(double lambda, double time_step, double bound) {
+bool Flow<Real>::needs_system() const {
+  return options_.integration == Integration::semi_implicit || options_.mass == Mass::full;
+}
+
+template <class Real>
+PackedFlow::Outcome Flow<Real>::step(double lambda, double time_step, double bound) {
   const bool anisotropic = is_anisotropic(options_.method);
   const StepNumbers<Real> numbers = {
       .time_step = static_cast<Real>(time_step),
       .lambda = anisotropic ? static_cast<Real>(lambda) : std::numeric_limits<Real>::infinity(),
       .transition = static_cast<Real>(options_.transition),
       .local_step = options_.guards.local_step,
-      .prescribed = is_prescribed(options_.method)};
+      .prescribed = is_prescribed(options_.method),
+      .measure = static_cast<KernelMeasure>(options_.measure)};
   compute_curvature(numbers);
   if (anisotropic && (numbers.prescribed || options_.guards.min_component > 2)) {
     apply_features(numbers);
   }
+  if (needs_system()) return solve_step(numbers, bound);
   MoveNumbers<Real> how = {.fraction = 0,
                            .own_kind = options_.conventions == Conventions::recommended,
                            .mean_edge_squared = static_cast<Real>(mean_edge_ * mean_edge_),
                            .prescribed = numbers.prescribed};
   if (numbers.prescribed) smooth_values(how);
-  return move(how, bound);
+  Outcome outcome;
+  outcome.time_step = time_step;
+  outcome.in_bounds = move(how, bound);
+  return outcome;
+}
+
+/// H_A − f̃ V_A on the old surface, then the system.
+template <class Real>
+PackedFlow::Outcome Flow<Real>::solve_step(const StepNumbers<Real>& numbers, double bound) {
+  if (numbers.prescribed) {
+    MoveNumbers<Real> how = {.fraction = static_cast<Real>(options_.curvature_smoothing.fraction),
+                             .own_kind = options_.conventions == Conventions::recommended,
+                             .mean_edge_squared = static_cast<Real>(mean_edge_ * mean_edge_),
+                             .prescribed = true};
+    for (int i = 0; i < options_.curvature_smoothing.passes; ++i) average_values(how);
+  }
+  std::vector<Quad<double>> velocity(packed_.slot_count());
+  for (std::size_t slot = 0; slot < velocity.size(); ++slot) {
+    const Quad<Real>& h = curvature_[slot];
+    const Quad<Real>& v = direction_[slot];
+    const Real f = numbers.prescribed ? value_[slot] : Real{0};
+    velocity[slot] = {static_cast<double>(h.x - f * v.x), static_cast<double>(h.y - f * v.y),
+                      static_cast<double>(h.z - f * v.z), 0.0};
+  }
+  for (const Index slot : held_) velocity[slot] = {};
+  // Edges of groups too small for a feature carry no weight.
+  const auto clear = [this](Index p, Index q) {
+    const Slice& slice = packed_.slices()[p / kLanes];
+    for (Index k = 0; k < slice.valence; ++k) {
+      const std::size_t at = std::size_t{slice.columns} + k;
+      if (packed_.ring()[kLanes * at + p % kLanes] != q) continue;
+      strong_[at] = static_cast<std::uint8_t>(strong_[at] & ~(1U << p % kLanes));
+    }
+  };
+  for (const StrongEdge& edge : groups_.noise()) {
+    clear(edge.p, edge.q);
+    clear(edge.q, edge.p);
+  }
+  return move_by_solution(velocity, numbers, bound);
+}
+
+/// (M + s K_A) δ = −s (K_A P − f̃ V_A), or M δ = −s (…) for explicit steps. An unsolved system is
+/// tried again with half the step.
+template <class Real>
+PackedFlow::Outcome Flow<Real>::move_by_solution(std::span<const Quad<double>> velocity,
+                                                 const StepNumbers<Real>& numbers, double bound) {
+  if constexpr (std::is_same_v<Real, float>) {
+    return {.in_bounds = true, .solved = false};  // create() never makes a single-precision one
+  } else {
+    if (!system_) system_.emplace(packed_, team_);
+    const bool implicit = options_.integration == Integration::semi_implicit;
+    Outcome outcome;
+    outcome.solved = false;
+    outcome.time_step = numbers.time_step;
+    std::vector<Quad<double>> b(velocity.size());
+    std::vector<Quad<double>> delta;
+    for (int halvings = 0; halvings <= kMostHalvings && !outcome.solved; ++halvings) {
+      if (halvings > 0) outcome.time_step *= 0.5;
+      const double s = outcome.time_step;
+      system_->assemble(x_, strong_, held_,
+                        {.time_step = implicit ? s : 0.0,
+                         .lambda = numbers.lambda,
+                         .transition = numbers.transition,
+                         .mass = options_.mass.value_or(Mass::full)});
+      for (std::size_t i = 0; i < b.size(); ++i) {
+        b[i] = {-s * velocity[i].x, -s * velocity[i].y, -s * velocity[i].z, 0.0};
+      }
+      const SolverReport solved = system_->solve(b, kSolverTolerance, kSolverIterations, delta);
+      outcome.solver_iterations += solved.iterations;
+      outcome.solver_residual = solved.residual;
+      outcome.solved = solved.converged;
+    }
+    if (!outcome.solved) return outcome;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < delta.size(); ++i) {
+      next_[i] = {x_[i].x + delta[i].x, x_[i].y + delta[i].y, x_[i].z + delta[i].z, 0.0};
+      for (const double c : {next_[i].x, next_[i].y, next_[i].z}) {
+        largest = std::abs(c) <= largest ? largest : std::abs(c);
+      }
+    }
+    outcome.in_bounds = largest <= bound;
+    if (outcome.in_bounds) x_.swap(next_);
+    return outcome;
+  }
+}
+
+template <class Real>
+std::vector<unsigned char> Flow<Real>::features() const {
+  std::vector<unsigned char> out(packed_.slot_of_vertex().size(), 0);
+  for (const Index slot : groups_.features()) out[packed_.vertex_of_slot()[slot]] = 1;
+  return out;
 }
 
 template <class Real>

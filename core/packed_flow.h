@@ -33,9 +33,19 @@ class PackedFlow {
   virtual double roughness() = 0;
   /// Remembers positions and normals for displacement().
   virtual void mark_start() = 0;
-  /// One step. False if a position is not finite or a coordinate beyond `bound` (in L): nothing
-  /// has moved then.
-  virtual bool step(double lambda, double time_step, double bound) = 0;
+  /// What one step came to.
+  struct Outcome {
+    bool in_bounds = true;   ///< false: a position is not finite or a coordinate beyond the bound
+    bool solved = true;      ///< false: the linear system was not solved, however small the step
+    double time_step = 0.0;  ///< as done: halved as often as the solver asked for
+    int solver_iterations = 0;
+    double solver_residual = 0.0;
+  };
+  /// One step; `bound` of coordinates in L. Nothing has moved where it is out of bounds or
+  /// unsolved.
+  virtual Outcome step(double lambda, double time_step, double bound) = 0;
+  /// Vertices that the last step took for features.
+  virtual std::vector<unsigned char> features() const = 0;
   /// rms displacement along the normals of the start, in L.
   virtual double displacement() = 0;
   /// Memory of the kernels beyond positions and topology, bytes.

@@ -78,6 +78,9 @@ FlowOptions golden_options(const Json& p, double mean_edge) {
   if (!isotropic) options.lambda = p.at("lam").get<double>();
   options.transition = p.at("r");
   options.step_size = p.at("s").get<double>() / (mean_edge * mean_edge);
+  if (p.at("scheme") == "implicit") options.integration = Integration::semi_implicit;
+  options.mass = p.at("mass") == "full" ? Mass::full : Mass::lumped;
+  if (p.at("f_mode") == "project") options.measure = CurvatureMeasure::project;
   options.boundary = p.at("boundary") == "fixed" ? Boundary::fixed : Boundary::free;
   options.curvature_smoothing = {p.at("smooth_iter"), p.at("smooth_mu")};
   options.conventions =
