@@ -126,7 +126,9 @@ double FlowRun::choose_feature_angle() const {
 }
 
 Result<FlowStep> FlowRun::step(int number) {
-  FlowStep step{.step = number, .of = most_steps_};
+  FlowStep step;
+  step.step = number;
+  step.of = most_steps_;
   if (is_anisotropic(options_.method)) {
     step.feature_angle = choose_feature_angle();
     step.lambda = options_.lambda.value_or(lambda_of_feature_angle(step.feature_angle, mean_edge_));

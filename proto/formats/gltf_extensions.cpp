@@ -43,7 +43,7 @@ bool leaves_geometry(std::string_view name) {
 
 /// The list at `key`, if it is there, all of it strings.
 Result<std::optional<JsonPlace>> names(const JsonPlace& root, std::string_view key) {
-  const auto list = root.array(key);
+  auto list = root.array(key);
   if (!list || !*list) return list;
   for (std::size_t i = 0; i < (*list)->size(); ++i) {
     const JsonPlace place = (**list)[i];

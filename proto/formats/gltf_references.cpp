@@ -22,10 +22,10 @@ void count_members(const Json& object, std::vector<std::size_t>& counts) {
 }
 
 const Json& member(const Json& object, const char* key) {
-  static const Json kNone;
-  if (!object.is_object()) return kNone;
+  static const Json none;
+  if (!object.is_object()) return none;
   const auto it = object.find(key);
-  return it == object.end() ? kNone : *it;
+  return it == object.end() ? none : *it;
 }
 
 bool any_primitive_uses_draco(const Json& root) {

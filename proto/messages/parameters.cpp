@@ -29,8 +29,18 @@ constexpr std::array<Named<Method>, 5> kMethods = {{
     {"mean_curvature", Method::mean_curvature},
     {"none", Method::none},
 }};
-constexpr std::array<Named<Integration>, 1> kIntegrations = {{
+constexpr std::array<Named<Integration>, 2> kIntegrations = {{
     {"explicit", Integration::explicit_euler},
+    {"semi_implicit", Integration::semi_implicit},
+}};
+constexpr std::array<Named<Mass>, 2> kMasses = {{
+    {"lumped", Mass::lumped},
+    {"full", Mass::full},
+}};
+constexpr std::array<Named<CurvatureMeasure>, 3> kMeasures = {{
+    {"length", CurvatureMeasure::length},
+    {"project", CurvatureMeasure::project},
+    {"mass", CurvatureMeasure::mass},
 }};
 constexpr std::array<Named<Boundary>, 2> kBoundaries = {{
     {"free", Boundary::free},
@@ -95,6 +105,9 @@ FlowOptions read_flow(ObjectReader& reader) {
   reader.choice("method", std::span<const Named<Method>>(kMethods), flow.method);
   reader.choice("integration", std::span<const Named<Integration>>(kIntegrations),
                 flow.integration);
+  reader.choice_or_auto("mass", std::span<const Named<Mass>>(kMasses), flow.mass);
+  reader.choice("curvature_measure", std::span<const Named<CurvatureMeasure>>(kMeasures),
+                flow.measure);
   reader.integer_or_auto("steps", 0, 10'000, flow.steps);
   reader.number_or_auto("step_size", {1e-9, 1e3}, flow.step_size);
   reader.number_or_auto("feature_angle", {0.01, 180.0}, flow.feature_angle);
@@ -156,6 +169,8 @@ Json parameters_document(const Parameters& parameters) {
   }
   Json document = {{"method", name_in(kMethods, flow.method)},
                    {"integration", name_in(kIntegrations, flow.integration)},
+                   {"mass", flow.mass ? Json(name_in(kMasses, *flow.mass)) : Json("auto")},
+                   {"curvature_measure", name_in(kMeasures, flow.measure)},
                    {"steps", or_auto(flow.steps)},
                    {"step_size", or_auto(flow.step_size)}};
   if (flow.lambda) {

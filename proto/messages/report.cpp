@@ -20,10 +20,16 @@ Json steps_document(const std::vector<FlowStep>& steps) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (i % stride != 0 && i + 1 != steps.size()) continue;
     const FlowStep& step = steps[i];
-    list.push_back({{"step", step.step},
-                    {"feature_angle", step.feature_angle},
-                    {"lambda", step.lambda},
-                    {"displacement", step.displacement}});
+    Json entry = {{"step", step.step},
+                  {"step_size", step.step_size},
+                  {"feature_angle", step.feature_angle},
+                  {"lambda", step.lambda},
+                  {"displacement", step.displacement}};
+    if (step.solver_iterations > 0) {
+      entry["solver_iterations"] = step.solver_iterations;
+      entry["solver_residual"] = step.solver_residual;
+    }
+    list.push_back(std::move(entry));
   }
   return list;
 }

@@ -1,120 +1,83 @@
+// The command line of fairwayd.
+
 #include "server/fairwayd/settings.h"
 
-#include <array>
-#include <charconv>
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <string>
 #include <thread>
-
-#include <fmt/format.h>
+#include <vector>
 
 namespace fairway {
 namespace {
 
-Error usage(std::string message) {
-  return {ErrorCode::usage, std::move(message)};
-}
-
-struct Range {
-  std::uint64_t least;
-  std::uint64_t most;
-};
-
-Result<std::uint64_t> number(std::string_view name, std::string_view text, Range range) {
-  std::uint64_t value = 0;
-  const auto [stop, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || stop != text.data() + text.size() || value < range.least ||
-      value > range.most) {
-    return usage(
-        fmt::format("{} takes a whole number from {} to {}.", name, range.least, range.most));
-  }
-  return value;
-}
-
 constexpr std::uint64_t kAnyBytes = std::uint64_t{1} << 48;
 
-/// An option with a number, its range and its place.
-struct NumberOption {
-  std::string_view name;
-  Range range;
-  void (*set)(Settings&, std::uint64_t);
+/// Options that write into `settings` and `listen`.
+struct CommandLine {
+  CommandLine() {
+    settings.workers = std::max(1U, std::thread::hardware_concurrency());
+    app.set_help_flag();
+    app.add_flag("--help,-h", settings.help, "Print this and exit");
+    app.add_flag("--version", settings.version, "Print the version and exit");
+    app.add_option("--data", settings.data, "Where jobs and meshes are kept; made where absent")
+        ->type_name("DIR");
+    app.add_option("--listen", listen, "Address of the HTTP API; port 0 = any free one")
+        ->type_name("HOST:PORT")
+        ->capture_default_str();
+    number("--workers", settings.workers, "Jobs that run at a time", 1, 1024);
+    number("--queue", settings.queue, "Jobs that may wait; more are answered 429", 1, 1'000'000);
+    number("--max-body", settings.max_body, "Largest mesh in bytes", 1, kAnyBytes);
+    number("--deadline", deadline, "Longest run of one job in seconds", 1, 86'400);
+    number("--worker-memory", settings.worker_memory,
+           "Address space of one job in bytes; 0 = any", 0, kAnyBytes);
+    app.add_option("--worker", settings.worker, "The fairway program; default: beside fairwayd")
+        ->type_name("PATH");
+    app.footer(
+        "\nSIGTERM and SIGINT stop it; running jobs go back to the queue and are done after the "
+        "next start.");
+  }
+
+  template <class Number>
+  void number(const std::string& name, Number& target, const std::string& help, std::uint64_t low,
+              std::uint64_t high) {
+    app.add_option(name, target, help)
+        ->check(CLI::Range(static_cast<Number>(low), static_cast<Number>(high)))
+        ->type_name("N")
+        ->capture_default_str();
+  }
+
+  CLI::App app{"fairwayd: the mesh-denoising service", "fairwayd"};
+  Settings settings;
+  std::string listen = to_string(ListenAddress{});
+  std::uint64_t deadline = static_cast<std::uint64_t>(Settings{}.deadline.count());
 };
 
-constexpr std::array<NumberOption, 5> kNumbers{{
-    {"--workers", {1, 1024}, [](Settings& s, std::uint64_t n) { s.workers = n; }},
-    {"--queue", {1, 1000000}, [](Settings& s, std::uint64_t n) { s.queue = n; }},
-    {"--max-body", {1, kAnyBytes}, [](Settings& s, std::uint64_t n) { s.max_body = n; }},
-    {"--deadline",
-     {1, 86400},
-     [](Settings& s, std::uint64_t n) { s.deadline = std::chrono::seconds(n); }},
-    {"--worker-memory", {0, kAnyBytes}, [](Settings& s, std::uint64_t n) { s.worker_memory = n; }},
-}};
-
-Result<void> set(Settings& settings, std::string_view name, std::string_view value) {
-  for (const NumberOption& option : kNumbers) {
-    if (option.name != name) continue;
-    auto parsed = number(name, value, option.range);
-    if (!parsed) return parsed.error();
-    option.set(settings, *parsed);
-    return {};
-  }
-  if (name == "--listen") {
-    auto address = parse_listen_address(value);
-    if (!address) return address.error();
-    settings.listen = *address;
-  } else if (name == "--data") {
-    settings.data = value;
-  } else if (name == "--worker") {
-    settings.worker = value;
-  } else {
-    return usage(fmt::format("{} is not an option of fairwayd: see fairwayd --help.", name));
-  }
-  return {};
+Error usage(const std::string& message) {
+  return {ErrorCode::usage, message + " See fairwayd --help."};
 }
 
 }  // namespace
 
 Result<Settings> parse_settings(std::span<const char* const> arguments) {
-  Settings settings;
-  settings.workers = std::max(1U, std::thread::hardware_concurrency());
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const std::string_view name = arguments[i];
-    if (name == "--help" || name == "-h") {
-      settings.help = true;
-      return settings;
-    }
-    if (name == "--version") {
-      settings.version = true;
-      return settings;
-    }
-    if (!name.starts_with("--")) {
-      return usage(fmt::format("{} is not an option of fairwayd: see fairwayd --help.", name));
-    }
-    if (i + 1 == arguments.size()) return usage(fmt::format("{} needs a value.", name));
-    if (auto done = set(settings, name, arguments[++i]); !done) return done.error();
+  CommandLine line;
+  // CLI11 takes the arguments from the back.
+  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+  try {
+    line.app.parse(reversed);
+  } catch (const CLI::ParseError& e) {
+    return usage(std::string(e.what()) + ".");
   }
-  if (settings.data.empty()) {
-    return usage("--data DIR is needed: where jobs and meshes are kept.");
-  }
+  Settings settings = std::move(line.settings);
+  if (settings.help || settings.version) return settings;
+  if (settings.data.empty()) return usage("--data DIR is needed: where jobs and meshes are kept.");
+  settings.deadline = std::chrono::seconds(line.deadline);
+  Result<ListenAddress> address = parse_listen_address(line.listen);
+  if (!address) return address.error();
+  settings.listen = *std::move(address);
   return settings;
 }
 
-std::string_view usage_text() {
-  return R"(fairwayd: the mesh-denoising service.
-
-usage: fairwayd --data DIR [options]
-
-  --data DIR             where jobs and meshes are kept; made where it is absent
-  --listen HOST:PORT     address of the HTTP API (127.0.0.1:8080; port 0 = any free one)
-  --workers N            jobs that run at a time (one per processor)
-  --queue N              jobs that may wait; more are answered 429 (256)
-  --max-body BYTES       largest mesh (536870912)
-  --deadline SECONDS     longest run of one job (300)
-  --worker-memory BYTES  address space of one job, 0 = any (4294967296)
-  --worker PATH          the fairway program (beside fairwayd)
-  --help, --version
-
-SIGTERM and SIGINT stop it; running jobs go back to the queue and are done after the next start.
-)";
-}
+std::string usage_text() { return CommandLine().app.help(); }
 
 }  // namespace fairway

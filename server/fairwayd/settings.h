@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
-#include <string_view>
+#include <string>
 
 #include "core/result.h"
 #include "server/fairwayd/http_server.h"
@@ -31,6 +31,6 @@ struct Settings {
 Result<Settings> parse_settings(std::span<const char* const> arguments);
 
 /// What --help prints.
-std::string_view usage_text();
+std::string usage_text();
 
 }  // namespace fairway

@@ -105,6 +105,12 @@ TEST_CASE("Draco headers are checked before the library believes them") {
 }
 
 TEST_CASE("Draco answers that are broken are refused after decoding") {
+  // Sequential encoding stores the indices of a small mesh as bytes behind header and counts.
+  Bytes beyond = draco_cube();
+  REQUIRE(beyond[14] == std::byte{0});
+  REQUIRE(beyond[15] == std::byte{2});
+  beyond[15] = std::byte{8};
+  CHECK(refusal(beyond) == ErrorCode::invalid_mesh);
   // One face (0, 1, 200) of three points; one face (0, 1, 2) without any attribute; no face.
   CHECK(refusal(sequential_header({1, 3, 1, 0, 1, 200, 0})) == ErrorCode::invalid_mesh);
   CHECK(refusal(sequential_header({1, 3, 1, 0, 1, 2, 0})) == ErrorCode::invalid_mesh);

@@ -124,6 +124,9 @@ TEST_CASE("decoder refuses node graphs that are no forest of sane depth") {
   SampleGlb ring = chain(5);
   ring.json["nodes"][4]["children"] = {1};
   CHECK_FALSE(decode(ring.glb(), Format::glb));
+  SampleGlb shared = chain(3);
+  shared.json["nodes"][0]["children"] = {1, 2};  // which is a child of 1 already
+  CHECK_FALSE(decode(shared.glb(), Format::glb));
   ring.json["nodes"][4]["children"] = {0};
   CHECK_FALSE(decode(ring.glb(), Format::glb));
 }

@@ -44,12 +44,16 @@ TEST_CASE("nothing and {} mean the automatic anisotropic prescribed flow") {
 }
 
 TEST_CASE("every parameter is read") {
-  const Parameters p = good(R"({"method":"anisotropic","integration":"explicit","steps":50,
+  const Parameters p = good(R"({"method":"anisotropic","integration":"semi_implicit","mass":"lumped",
+      "curvature_measure":"project","steps":50,
       "step_size":0.05,"feature_angle":35,"transition":8,
       "curvature_smoothing":{"passes":3,"fraction":0.5},"boundary":"fixed","conventions":"paper",
       "guards":{"unfold":false,"min_component":false,"local_step":false},
       "curvature":["mean","_CURVATURE_K1"],"output":"gltf"})");
   CHECK(p.flow.method == Method::anisotropic);
+  CHECK(p.flow.integration == Integration::semi_implicit);
+  CHECK(p.flow.mass == Mass::lumped);
+  CHECK(p.flow.measure == CurvatureMeasure::project);
   CHECK(p.flow.steps == 50);
   CHECK(p.flow.step_size == 0.05);
   CHECK(p.flow.feature_angle == 35.0);

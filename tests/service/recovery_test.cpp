@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <sys/socket.h>
 
+#include "server/fairwayd/sqlite_job_store.h"
 #include "tests/service/job_follower.h"
 #include "tests/service/sample_glb.h"
 #include "tests/service/service_process.h"
@@ -69,6 +70,11 @@ TEST_CASE("a stopped server ends with 0 and hands its running job back") {
     const ExitStatus status = service.stop();
     CHECK(status.code == 0);
     CHECK(status.signal == 0);
+  }
+  {
+    auto store = SqliteJobStore::open(directory.path() / "jobs.sqlite");
+    REQUIRE(store);
+    CHECK((*store)->list({})->front().state == JobState::queued);
   }
   const ServiceProcess service(directory.path());
   const Json job = wait_until_final(service.client(), path);
