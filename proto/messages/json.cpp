@@ -102,6 +102,10 @@ class StrictBuilder : public nlohmann::json_sax<Json> {
 }  // namespace
 
 Result<Json> parse_json(std::string_view text, const JsonLimits& limits) {
+  // The library takes a NUL for the end of its input.
+  if (text.find('\0') != std::string_view::npos) {
+    return Error{ErrorCode::malformed_input, "JSON has no NUL bytes."};
+  }
   StrictBuilder builder(limits);
   try {
     if (!Json::sax_parse(text.begin(), text.end(), &builder) || !builder.reason().empty()) {

@@ -176,6 +176,7 @@ void Talk::set_handlers() {
     return HandlerResponse::Handled;
   }));
   set_exception_handler([this](const httplib::Request&, httplib::Response& to, std::exception_ptr) {
+    log_.write(LogLevel::error, "exception_in_answer");
     put(problem_response({ErrorCode::internal, "The server met a defect of its own."}), to);
     close_ = true;
   });

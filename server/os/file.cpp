@@ -69,7 +69,8 @@ Result<void> AtomicFile::commit(const std::filesystem::path& final_path) {
     return file_error("give a file its final name", errno);
   }
   temporary_.clear();
-  return sync_directory(final_path.parent_path());
+  const std::filesystem::path directory = final_path.parent_path();
+  return sync_directory(directory.empty() ? "." : directory);
 }
 
 }  // namespace fairway

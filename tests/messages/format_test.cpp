@@ -43,6 +43,13 @@ TEST_CASE("a declared type that the bytes contradict is an unsupported format") 
   refused(kPng, "");
 }
 
+TEST_CASE("a file name that the bytes contradict is an unsupported format") {
+  CHECK(recognise("{}", "", "mesh.drc").error().code == ErrorCode::unsupported_format);
+  CHECK(recognise(kGlb, "application/octet-stream", "mesh.GLTF").error().code ==
+        ErrorCode::unsupported_format);
+  CHECK(recognise(kGlb, "", "mesh.bin"));
+}
+
 TEST_CASE("versions fairway does not read are unsupported formats") {
   CHECK(recognise(std::string("glTF\x01\0\0\0", 8), "").error().code ==
         ErrorCode::unsupported_format);

@@ -39,6 +39,11 @@ TEST_CASE("text that is not JSON is refused with malformed_input") {
   CHECK(json.error().code == ErrorCode::malformed_input);
 }
 
+TEST_CASE("a NUL byte is not the end of a document") {
+  CHECK_FALSE(parse_json(std::string_view("{}\0x", 4)));
+  CHECK_FALSE(parse_json(std::string_view("{}\0", 3)));
+}
+
 TEST_CASE("a byte order mark before JSON is skipped") {
   CHECK(parse_json("\xEF\xBB\xBF{\"a\":1}"));
 }

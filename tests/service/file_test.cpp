@@ -32,6 +32,17 @@ TEST_CASE("an atomic file has no name before its commit and no temporary one aft
   CHECK_FALSE(std::filesystem::exists(temporary));
 }
 
+TEST_CASE("an atomic file may be named relative to the working directory") {
+  test::TemporaryDirectory directory;
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(directory.path());
+  auto file = AtomicFile::create("tmp");
+  const bool committed = file && file->commit("final");
+  std::filesystem::current_path(before);
+  CHECK(committed);
+  CHECK(std::filesystem::exists(directory.path() / "final"));
+}
+
 TEST_CASE("a full disk is told from a broken file") {
   const auto full = open_file("/dev/full", O_WRONLY);
   REQUIRE(full);
