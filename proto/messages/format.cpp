@@ -149,8 +149,8 @@ Result<Format> recognise_format(std::span<const std::byte> head, std::string_vie
   }
   const std::optional<Format> named = format_of_file_name(file_name);
   if (found && !declared && named && found != named) {
-    return unsupported(fmt::format("The file is named .{}, its bytes are {}.", name_of(*named),
-                                   name_of(*found)));
+    return unsupported(
+        fmt::format("The file is named .{}, its bytes are {}.", name_of(*named), name_of(*found)));
   }
   if (found) return check_version(*found, head);
   return unsupported("These bytes are no mesh format fairway reads.");

@@ -8,6 +8,11 @@
 #include <fmt/format.h>
 
 namespace fairway {
+namespace {
+
+const Json kAbsent;
+
+}  // namespace
 
 ObjectReader::ObjectReader(const Json& json, std::string pointer)
     : json_(&json), pointer_(std::move(pointer)) {}
@@ -111,7 +116,6 @@ void ObjectReader::strings(std::string_view key,
 }
 
 ObjectReader ObjectReader::object(std::string_view key) {
-  static const Json kAbsent;
   const Json* json = find(key);
   if (json != nullptr && !json->is_object()) {
     fail(key, "must be an object");

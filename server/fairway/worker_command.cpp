@@ -42,8 +42,10 @@ void send(const WorkerEvent& event) {
   }
 }
 
+/// The hard limit is one higher: at the soft limit of processor time there is a signal that says
+/// so.
 bool limit(__rlimit_resource resource, std::uint64_t value) {
-  const rlimit both = {value, value};
+  const rlimit both = {value, value + 1};
   return value == 0 || setrlimit(resource, &both) == 0;
 }
 

@@ -64,20 +64,22 @@ void HttpServer::accept_all() {
 void HttpServer::take(UniqueFd socket) {
   const int one = 1;
   ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+  bool taken = false;
   {
     const std::lock_guard lock(mutex_);
     const bool needs_thread = idle_ <= waiting_.size();
-    if (!needs_thread || threads_.size() < kMaxThreads) {
+    taken = !needs_thread || threads_.size() < kMaxThreads;
+    if (taken) {
       waiting_.push_back(std::move(socket));
       if (needs_thread) start_thread();
     }
   }
-  if (socket) {
-    const std::string busy = refusal_message({ErrorCode::unavailable, "Too many connections."});
-    ::send(socket.get(), busy.data(), busy.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  if (taken) {
+    arrived_.notify_one();
     return;
   }
-  arrived_.notify_one();
+  const std::string busy = refusal_message({ErrorCode::unavailable, "Too many connections."});
+  ::send(socket.get(), busy.data(), busy.size(), MSG_NOSIGNAL | MSG_DONTWAIT);  // NOLINT: not moved
 }
 
 /// With mutex_ held. Where no thread can be had, those that run take the connection later.

@@ -2,11 +2,12 @@
 
 #include "server/fairwayd/settings.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include <CLI/CLI.hpp>
 
 namespace fairway {
 namespace {
@@ -29,8 +30,8 @@ struct CommandLine {
     number("--queue", settings.queue, "Jobs that may wait; more are answered 429", 1, 1'000'000);
     number("--max-body", settings.max_body, "Largest mesh in bytes", 1, kAnyBytes);
     number("--deadline", deadline, "Longest run of one job in seconds", 1, 86'400);
-    number("--worker-memory", settings.worker_memory,
-           "Address space of one job in bytes; 0 = any", 0, kAnyBytes);
+    number("--worker-memory", settings.worker_memory, "Address space of one job in bytes; 0 = any",
+           0, kAnyBytes);
     app.add_option("--worker", settings.worker, "The fairway program; default: beside fairwayd")
         ->type_name("PATH");
     app.footer(
@@ -78,6 +79,8 @@ Result<Settings> parse_settings(std::span<const char* const> arguments) {
   return settings;
 }
 
-std::string usage_text() { return CommandLine().app.help(); }
+std::string usage_text() {
+  return CommandLine().app.help();
+}
 
 }  // namespace fairway

@@ -50,6 +50,7 @@ Bytes draco_cube(const DracoSampleOptions& options) {
   }
   if (options.texture_coordinates) {
     std::vector<std::array<float, 2>> uv;
+    uv.reserve(corners.size());
     for (const auto& c : corners) uv.push_back({c[0] / 4 + 0.5F, c[1] / 4 + 0.5F});
     add_attribute(mesh, draco::GeometryAttribute::TEX_COORD, draco::DT_FLOAT32, false, uv);
   }

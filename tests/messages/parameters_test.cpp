@@ -44,7 +44,8 @@ TEST_CASE("nothing and {} mean the automatic anisotropic prescribed flow") {
 }
 
 TEST_CASE("every parameter is read") {
-  const Parameters p = good(R"({"method":"anisotropic","integration":"semi_implicit","mass":"lumped",
+  const Parameters p =
+      good(R"({"method":"anisotropic","integration":"semi_implicit","mass":"lumped",
       "curvature_measure":"project","steps":50,
       "step_size":0.05,"feature_angle":35,"transition":8,
       "curvature_smoothing":{"passes":3,"fraction":0.5},"boundary":"fixed","conventions":"paper",

@@ -33,7 +33,7 @@ class Fixture {
   JobStore& store() { return *store_; }
 
   std::string submit() {
-    const std::string id = random_id();
+    std::string id = random_id();
     const auto job = store().submit({id, {"in-" + id, 10, "aa"}, Format::glb, "{}"}, kRoom);
     REQUIRE(job);
     CHECK(job->state == JobState::queued);
@@ -303,6 +303,7 @@ TEST_CASE("many threads claim every job exactly once") {
   std::atomic<int> claimed = 0;
   {
     std::vector<std::jthread> threads;
+    threads.reserve(4);
     for (int i = 0; i < 4; ++i) {
       threads.emplace_back([&] {
         while (true) {

@@ -90,7 +90,8 @@ TEST_CASE("broken inputs end with the exit code of their problem and a sentence,
   SampleGlb out_of_range = cube_sample();
   const std::size_t indices = out_of_range.json["meshes"][0]["primitives"][0]["indices"];
   const std::size_t view = out_of_range.json["accessors"][indices]["bufferView"];
-  const std::size_t offset = out_of_range.json["bufferViews"][view].value("byteOffset", std::size_t{0});
+  const std::size_t offset =
+      out_of_range.json["bufferViews"][view].value("byteOffset", std::size_t{0});
   out_of_range.bin[offset] = std::byte{99};
   check(out_of_range.glb(), 13);
   IndexedMesh nan = noisy_sphere();
