@@ -42,17 +42,18 @@ void send(const WorkerEvent& event) {
   }
 }
 
-/// The hard limit is one higher: at the soft limit of processor time there is a signal that says
-/// so.
-bool limit(__rlimit_resource resource, std::uint64_t value) {
-  const rlimit both = {value, value + 1};
-  return value == 0 || setrlimit(resource, &both) == 0;
+/// No limit where `soft` is 0.
+bool limit(__rlimit_resource resource, std::uint64_t soft, std::uint64_t hard) {
+  const rlimit both = {soft, hard};
+  return soft == 0 || setrlimit(resource, &both) == 0;
 }
 
 Result<void> confine(const WorkerCommand& command) {
-  const bool confined =
-      prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
-      limit(RLIMIT_AS, command.address_space) && limit(RLIMIT_CPU, command.cpu_seconds);
+  // At the soft limit of processor time a signal says so, a second later the process is killed.
+  const bool confined = prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 &&
+                        prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
+                        limit(RLIMIT_AS, command.address_space, command.address_space) &&
+                        limit(RLIMIT_CPU, command.cpu_seconds, command.cpu_seconds + 1);
   const rlimit no_core = {0, 0};
   if (!confined || setrlimit(RLIMIT_CORE, &no_core) != 0) {
     return Error{ErrorCode::internal, "The worker cannot confine itself."};
