@@ -9,9 +9,12 @@
 namespace fairway {
 
 Error JsonPlace::error(std::string_view reason) const {
+  // Where the reason names no remedy of its own, there is one that always helps.
+  const bool has_remedy = reason.find(';') != std::string_view::npos;
   return {ErrorCode::invalid_mesh,
-          fmt::format("The glTF is invalid at {}: {}", pointer_.empty() ? "its root" : pointer_,
-                      reason),
+          fmt::format("The glTF is invalid at {}: {}{}", pointer_.empty() ? "its root" : pointer_,
+                      reason.ends_with('.') ? reason.substr(0, reason.size() - 1) : reason,
+                      has_remedy ? "." : "; export it again, a glTF validator shows the place."),
           pointer_};
 }
 

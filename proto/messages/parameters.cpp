@@ -154,7 +154,8 @@ Result<Parameters> parse_parameters(std::string_view text) {
   Parameters parameters;
   ObjectReader reader(*json, "");
   parameters.flow = read_flow(reader);
-  if (reader.holds("curvature")) parameters.curvature = read_curvature(reader);
+  std::vector<CurvatureKind> curvature = read_curvature(reader);
+  if (reader.holds("curvature")) parameters.curvature = std::move(curvature);
   parameters.output = read_output(reader);
   reader.refuse_unknown_keys();
   if (reader.error()) return *reader.error();
