@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "core/slice.h"
@@ -38,13 +39,19 @@ struct KernelMesh {
   Real quantum;  ///< length of one unit of a stored coordinate: 1 in double precision
 };
 
-/// What a flow computes per slot before it moves.
+/// What a flow computes per slot before it moves. The mean curvature flows that move in one pass
+/// need no curvature and direction.
 template <class Real>
 struct KernelFields {
   Quad<Real>* curvature;  ///< H_A, and in w the factor c of the step: p ← p − c (…)
-  Quad<Real>* direction;  ///< ∇vol; later V_A at feature vertices
-  Real* value;            ///< f, signed; its lowest bit says "feature vertex"
+  Quad<Real>* direction;  ///< ∇vol, later V_A at feature vertices; in w 1 / M_pp
+  Real* value;            ///< f, signed, its lowest bit says "feature vertex"; or the factor c
   std::uint8_t* strong;   ///< per column, a bit per lane: |H_e| > λ
+};
+
+/// A strong edge between slots p < q; q is neighbour k of p.
+struct StrongEdge {
+  Index p, q, k;
 };
 
 /// How f is found; the values of CurvatureMeasure.
@@ -59,6 +66,7 @@ struct StepNumbers {
   bool local_step;  ///< c = min(s / M_pp, ½ / K_pp)
   bool prescribed;  ///< direction and value are wanted
   KernelMeasure measure = KernelMeasure::length;
+  bool all_neighbours = false;  ///< H_A^s averages over all neighbours, not feature vertices only
 };
 
 /// How the moving pass averages f and where it writes.
@@ -75,23 +83,41 @@ struct MoveNumbers {
 /// The kernels of one instruction set; each works on slices [first, last).
 template <class Real>
 struct FlowKernels {
+  using Position = Quad<typename StoredCoordinate<Real>::Type>;
+
   /// |N0 − N1|² of each ring edge into `out`, 8 numbers per column from `out[0]` on for slice
   /// `first`; −1 at boundaries and beside absent faces.
   void (*bends)(const KernelMesh<Real>&, Index first, Index last, Real* out);
+  /// Unit area-weighted normals into `out`, 8 per slice from `out[0]` on; 0 where there is none.
+  void (*normals)(const KernelMesh<Real>&, Index first, Index last, Quad<Real>* out);
   /// Fills the fields: H_A, c, ∇vol, f of a non-feature vertex, strong edges.
   void (*curvature)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
                     Index first, Index last);
+  /// p − c H_A into `out`, c into the values, strong edges. Returns like `move`.
+  Real (*contract)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
+                   Index first, Index last, Position* out);
+  /// Gives edges their full weight back: ½ (1 − w) H_e N_e is added to H_A at both ends.
+  void (*restore)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdge* edges,
+                  std::size_t count, Quad<Real>* curvature);
+  /// The same after `contract`, whose `out` and c this takes. Returns like `move`.
+  Real (*restore_moved)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdge* edges,
+                        std::size_t count, const Real* factor, Position* out);
+  /// V_A at the feature vertices, a bit per lane in `features`, one byte per slice.
+  void (*direct)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
+                 const std::uint8_t* features, Index first, Index last);
+  /// f anew in slices that are `touched`, from H_A and V_A; its kind stays.
+  void (*revalue)(const StepNumbers<Real>&, const KernelFields<Real>&, const std::uint8_t* touched,
+                  Index first, Index last);
   /// One smoothing pass of f into `out`.
   void (*average)(const KernelMesh<Real>&, const MoveNumbers<Real>&, const Real* value, Index first,
                   Index last, Real* out);
   /// p − c (H_A − f̃ V_A) into `out`, f̃ from one more averaging of f. Returns the largest coordinate
   /// magnitude in stored units; NaN or infinity if one is not finite.
   Real (*move)(const KernelMesh<Real>&, const MoveNumbers<Real>&, const KernelFields<Real>&,
-               Index first, Index last, Quad<typename StoredCoordinate<Real>::Type>* out);
-  /// Σ ⟨p − start, normal⟩² over the slots, in L².
-  double (*displacement)(const KernelMesh<Real>&,
-                         const Quad<typename StoredCoordinate<Real>::Type>* start,
-                         const Quad<Real>* normals, Index first, Index last);
+               Index first, Index last, Position* out);
+  /// Σ ⟨p − start, normal⟩² over the slots, in L²; 8 normals per slice from `normals[0]` on.
+  double (*displacement)(const KernelMesh<Real>&, const Position* start, const Quad<Real>* normals,
+                         Index first, Index last);
 };
 
 /// Instruction sets, in rising order.

@@ -1,96 +1,125 @@
-// Which strong edges are features: union-find over the few slots that have one.
+// Which strong edges are features: union-find by size that stops growing groups once they are large
+// enough.
 
 #include "core/strong_groups.h"
 
 #include <algorithm>
 #include <bit>
-#include <iterator>
-#include <utility>
+#include <cstring>
+#include <limits>
 
 namespace fairway {
 namespace {
 
-constexpr Index kLarge = kNoIndex - 1;
+constexpr std::int32_t kLarge = std::numeric_limits<std::int32_t>::min();
+constexpr std::int32_t kAlone = -1;
+// Edges that are joined at a time.
+constexpr std::size_t kBlock = 2048;
 
-/// Calls visit(edge) for every strong edge, from its lower slot.
-template <class Visit>
-void for_each_strong_edge(const PackedMesh& mesh, std::span<const std::uint8_t> strong,
-                          const Visit& visit) {
-  Index first_slot = 0;
-  for (const Slice& slice : mesh.slices()) {
-    for (Index k = 0; k < slice.valence; ++k) {
-      const Index* column = mesh.ring().data() + kLanes * (std::size_t{slice.columns} + k);
-      for (unsigned lanes = strong[slice.columns + k]; lanes != 0; lanes &= lanes - 1) {
-        const auto lane = static_cast<Index>(std::countr_zero(lanes));
-        const Index p = first_slot + lane;
-        if (p < column[lane]) visit(StrongEdge{p, column[lane], k});
-      }
-    }
-    first_slot += kLanes;
+/// Whether any of a slice's columns has a strong edge.
+bool has_strong(const std::uint8_t* strong, Index valence) {
+  if (valence > 8) {
+    return std::any_of(strong, strong + valence, [](std::uint8_t lanes) { return lanes != 0; });
   }
+  std::uint64_t all = 0;
+  std::memcpy(&all, strong, sizeof all);
+  const std::uint64_t wanted = std::endian::native == std::endian::little
+                                   ? ~std::uint64_t{0} >> (64 - 8 * valence)
+                                   : ~std::uint64_t{0} << (64 - 8 * valence);
+  return (all & wanted) != 0;
 }
 
 }  // namespace
 
-/// Lists a slot when it is first met.
-void StrongGroups::meet(Index slot) {
-  if (parent_[slot] != kNoIndex) return;
-  parent_[slot] = slot;
-  group_size_[slot] = 1;
-  met_.push_back(slot);
-}
-
-/// The root of a slot's group, or kLarge.
-Index StrongGroups::root(Index slot) {
-  while (parent_[slot] != slot) {
-    const Index above = parent_[slot];
-    if (above == kLarge) return kLarge;
-    parent_[slot] = parent_[above];
-    if (parent_[slot] == kLarge) return kLarge;
-    slot = parent_[slot];
-  }
+Index StrongGroups::root(Index slot) const {
+  while (parent_[slot] >= 0) slot = static_cast<Index>(parent_[slot]);
   return slot;
 }
 
-/// Joins two groups; false if they are one large group now. A group that is large enough grows no
-/// further tree, so trees stay small.
-bool StrongGroups::join(Index p, Index q, int min_component) {
-  Index a = root(p);
-  Index b = root(q);
-  if (a == b) return a != kLarge;
-  if (a == kLarge) std::swap(a, b);
-  if (b != kLarge) {
-    group_size_[b] += group_size_[a];
-    if (group_size_[b] >= min_component) {
-      parent_[b] = kLarge;
-      b = kLarge;
-    }
+/// Also shortens the way to a group that is large.
+Index StrongGroups::root(Index slot) {
+  const Index r = static_cast<const StrongGroups*>(this)->root(slot);
+  if (parent_[r] == kLarge) parent_[slot] = kLarge;
+  return r;
+}
+
+void StrongGroups::join(const StrongEdge& edge) {
+  const Index a = root(edge.p);
+  const Index b = root(edge.q);
+  std::int32_t& at_a = parent_[a];
+  std::int32_t& at_b = parent_[b];
+  if (at_a == kLarge || at_b == kLarge || (a != b && at_a + at_b <= least_)) {
+    at_a = at_b = kLarge;
+  } else if (a != b) {
+    const bool under_a = at_a < at_b;
+    const std::int32_t sum = at_a + at_b;
+    (under_a ? at_b : at_a) = static_cast<std::int32_t>(under_a ? a : b);
+    (under_a ? at_a : at_b) = sum;
   }
-  parent_[a] = b;
-  return b != kLarge;
+}
+
+/// Joins the first `count` edges of the block and keeps those whose groups are small so far.
+void StrongGroups::join_block(std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const StrongEdge& edge = block_[i];
+    if (parent_[edge.p] == kLarge && parent_[edge.q] == kLarge) continue;
+    join(edge);
+    if (parent_[edge.p] != kLarge) noise_.push_back(edge);
+  }
 }
 
 void StrongGroups::find(const PackedMesh& mesh, std::span<const std::uint8_t> strong,
                         int min_component) {
-  parent_.resize(mesh.slot_count(), kNoIndex);
-  group_size_.resize(mesh.slot_count());
+  least_ = -std::max(min_component, 2);
+  parent_.assign(mesh.slot_count(), kAlone);
   noise_.clear();
-  features_.clear();
-  met_.clear();
-  for_each_strong_edge(mesh, strong, [&](const StrongEdge& edge) {
-    meet(edge.p);
-    meet(edge.q);
-    if (min_component > 2 && join(edge.p, edge.q, min_component)) noise_.push_back(edge);
-  });
-  if (min_component <= 2) {
-    features_ = met_;
-  } else {
-    const auto is_large = [this](Index slot) { return root(slot) == kLarge; };
-    std::copy_if(met_.begin(), met_.end(), std::back_inserter(features_), is_large);
-    std::erase_if(noise_, [&](const StrongEdge& edge) { return is_large(edge.p); });
+  block_.resize(std::max(block_.size(), kBlock + kLanes));
+  std::size_t count = 0;
+  Index first_slot = 0;
+  for (const Slice& slice : mesh.slices()) {
+    const std::uint8_t* bits = strong.data() + slice.columns;
+    if (has_strong(bits, slice.valence)) {
+      for (Index k = 0; k < slice.valence; ++k) {
+        if (bits[k] == 0) continue;
+        const Index* column = mesh.ring().data() + kLanes * (std::size_t{slice.columns} + k);
+        // Without a branch per lane, which would be foretold wrongly half the time.
+        for (Index lane = 0; lane < kLanes; ++lane) {
+          block_[count] = {first_slot + lane, column[lane], k};
+          const bool counts = (bits[k] >> lane & 1U) != 0 && first_slot + lane < column[lane];
+          count += counts ? 1 : 0;
+        }
+        if (count < kBlock) continue;
+        join_block(count);
+        count = 0;
+      }
+    }
+    first_slot += kLanes;
   }
-  // Only what was touched is cleaned up for the next step.
-  for (const Index slot : met_) parent_[slot] = kNoIndex;
+  join_block(count);
+  std::erase_if(noise_, [this](const StrongEdge& e) { return parent_[root(e.p)] == kLarge; });
+}
+
+std::vector<std::uint8_t> StrongGroups::features() const {
+  std::vector<std::uint8_t> out(parent_.size() / kLanes);
+  features(out);
+  return out;
+}
+
+void StrongGroups::features(std::vector<std::uint8_t>& out) const {
+  for (std::size_t slice = 0; slice < out.size(); ++slice) {
+    const std::int32_t* parents = parent_.data() + kLanes * slice;
+    unsigned met = 0;
+    for (Index lane = 0; lane < kLanes; ++lane) {
+      met |= (parents[lane] != kAlone ? 1U : 0U) << lane;
+    }
+    unsigned lanes = 0;
+    for (; met != 0; met &= met - 1) {
+      const auto lane = static_cast<Index>(std::countr_zero(met));
+      const Index r = root(static_cast<Index>(kLanes * slice) + lane);
+      lanes |= (parent_[r] == kLarge ? 1U : 0U) << lane;
+    }
+    out[slice] = static_cast<std::uint8_t>(lanes);
+  }
 }
 
 }  // namespace fairway

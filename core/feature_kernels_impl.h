@@ -1,0 +1,273 @@
+// Faces, strong edges and feature vertices in lanes: what is special about edges beyond λ.
+// Sources: Hildebrandt & Polthier 2004, eqs. (2), (6) and the text before (11).
+
+#pragma once
+
+#include <algorithm>
+
+#include "core/lanes_impl.h"
+
+namespace fairway::FAIRWAY_KERNELS_NAMESPACE {
+namespace {
+
+/// (2 · 1e-12 L²)² in stored units: faces with less area count as absent.
+template <class Real>
+FAIRWAY_INLINE Real least_twice_area_squared(Real quantum) {
+  const Real root = static_cast<Real>(2e-12) / quantum / quantum;
+  return root * root;
+}
+
+/// The triangles (p, a, b) of eight rings, a and b relative to p: unit normals and what else the
+/// sums need, in stored units.
+template <class Real>
+struct Fan {
+  using V = Lanes<Real>;
+
+  Vectors<Real> twice_area_vector;
+  Vectors<Real> normal;  ///< 0 where absent
+  V twice_area;          ///< 0 where absent
+  V inverse;             ///< 1 / twice_area, 0 where absent
+  Mask<Real> present;
+
+  FAIRWAY_INLINE Fan(const Vectors<Real>& a, const Vectors<Real>& b, Real least_squared) {
+    const V zero = {};
+    twice_area_vector = cross(a, b);
+    const V squared = dot(twice_area_vector, twice_area_vector);
+    const V length = square_root(squared);
+    present = squared > least_squared;
+    inverse = present ? 1 / length : zero;
+    twice_area = present ? length : zero;
+    normal = twice_area_vector * inverse;
+  }
+
+  FAIRWAY_INLINE void remove() {
+    const V zero = {};
+    twice_area_vector = normal = {zero, zero, zero};
+    twice_area = inverse = zero;
+    present = Mask<Real>{};
+  }
+};
+
+/// λ and the weight beyond it, for |H_e| in stored units.
+template <class Real>
+struct Threshold {
+  Real lambda, squared, transition;
+  Real least;  ///< least_twice_area_squared()
+
+  FAIRWAY_INLINE Threshold(const StepNumbers<Real>& numbers, Real quantum)
+      : lambda(numbers.lambda / quantum),
+        squared(lambda * lambda),
+        transition(numbers.transition),
+        least(least_twice_area_squared(quantum)) {}
+
+  /// w of strong edges with |H_e|² = `h_squared`.
+  FAIRWAY_INLINE Lanes<Real> weight(Lanes<Real> h_squared) const {
+    const Lanes<Real> excess = square_root(h_squared) / lambda - 1;
+    return 1 / (transition * excess * excess + 1);
+  }
+};
+
+/// f = sign⟨H, V⟩ |H| / |V| or another measure; 0 where V = 0. `feature`: lanes whose V_A is a unit
+/// vector, for which a mass means nothing.
+template <class Real>
+FAIRWAY_INLINE Lanes<Real> curvature_value(KernelMeasure measure, const Vectors<Real>& h,
+                                           const Vectors<Real>& direction, Lanes<Real> per_mass,
+                                           Mask<Real> feature) {
+  using V = Lanes<Real>;
+  const V zero = {};
+  const V squared = dot(direction, direction);
+  const V along = dot(h, direction);
+  V f;
+  if (measure == KernelMeasure::project) {
+    f = along / squared;
+  } else {
+    f = square_root(dot(h, h) / squared);
+    if (measure == KernelMeasure::mass) f = feature ? f : square_root(dot(h, h)) * per_mass;
+    f = along < zero ? -f : f;
+  }
+  return squared > zero ? f : zero;
+}
+
+/// Up to eight strong edges: their ends and ½ (1 − w) H_e N_e in stored units.
+template <class Real>
+struct Restored {
+  Index p[8], q[8];
+  Vectors<Real> missing;
+
+  FAIRWAY_INLINE Restored(const KernelMesh<Real>& mesh, const Threshold<Real>& threshold,
+                          const StrongEdge* edges, std::size_t count) {
+    Index left[8];
+    Index right[8];
+    for (std::size_t i = 0; i < 8; ++i) {
+      const StrongEdge& e = edges[std::min(i, count - 1)];
+      const Slice& slice = mesh.slices[e.p / kLanes];
+      const Index* column = mesh.ring + kLanes * std::size_t{slice.columns} + e.p % kLanes;
+      const Index next = e.k + 1 == slice.valence ? 0 : e.k + 1;
+      const Index before = e.k == 0 ? slice.valence - 1 : e.k - 1;
+      p[i] = e.p;
+      q[i] = e.q;
+      left[i] = column[kLanes * std::size_t{next}];
+      right[i] = column[kLanes * std::size_t{before}];
+    }
+    const Gathered<Real> at = gather(mesh.positions, p);
+    const Vectors<Real> e = between(at, gather(mesh.positions, q));
+    const Fan<Real> left_face(e, between(at, gather(mesh.positions, left)), threshold.least);
+    const Fan<Real> right_face(between(at, gather(mesh.positions, right)), e, threshold.least);
+    const Vectors<Real> term = cross(e, left_face.normal - right_face.normal);
+    missing = term * ((1 - threshold.weight(dot(term, term))) / 2);
+  }
+};
+
+template <class Real>
+void restore(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
+             const StrongEdge* edges, std::size_t count, Quad<Real>* curvature) {
+  const Threshold<Real> threshold(numbers, mesh.quantum);
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const std::size_t some = std::min<std::size_t>(kLanes, count - first);
+    const Restored<Real> edge(mesh, threshold, edges + first, some);
+    const Vectors<Real> missing = edge.missing * all(mesh.quantum);
+    for (std::size_t i = 0; i < some; ++i) {
+      for (const Index slot : {edge.p[i], edge.q[i]}) {
+        curvature[slot].x += missing.x[i];
+        curvature[slot].y += missing.y[i];
+        curvature[slot].z += missing.z[i];
+      }
+    }
+  }
+}
+
+/// Moves one position by −(x, y, z) stored units.
+FAIRWAY_INLINE void shift(Stored<float>& p, float x, float y, float z,
+                          LargestMagnitude<float>& largest) {
+  const Mask<float> by = rounded(Lanes<float>{x, y, z, 0, 0, 0, 0, 0});
+  largest.see(Lanes<float>{static_cast<float>(p.x) - x, static_cast<float>(p.y) - y,
+                           static_cast<float>(p.z) - z, 0, 0, 0, 0, 0});
+  const auto less = [](std::int32_t a, std::int32_t b) {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
+  };
+  p = {less(p.x, by[0]), less(p.y, by[1]), less(p.z, by[2]), 0};
+}
+FAIRWAY_INLINE void shift(Stored<double>& p, double x, double y, double z,
+                          LargestMagnitude<double>& largest) {
+  p = {p.x - x, p.y - y, p.z - z, 0};
+  largest.see(Lanes<double>{p.x, p.y, p.z, 0, 0, 0, 0, 0});
+}
+
+template <class Real>
+Real restore_moved(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
+                   const StrongEdge* edges, std::size_t count, const Real* factor,
+                   Stored<Real>* out) {
+  const Threshold<Real> threshold(numbers, mesh.quantum);
+  LargestMagnitude<Real> largest;
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const std::size_t some = std::min<std::size_t>(kLanes, count - first);
+    const Restored<Real> edge(mesh, threshold, edges + first, some);
+    for (const Index* ends : {edge.p, edge.q}) {
+      const Vectors<Real> by = edge.missing * gather_values(factor, ends);
+      for (std::size_t i = 0; i < some; ++i) {
+        shift(out[ends[i]], by.x[i], by.y[i], by.z[i], largest);
+      }
+    }
+  }
+  return largest.value();
+}
+
+/// H_A^s of eight feature vertices, the second summand: Σ ω_q H_A(q) / Σ ω_q over the neighbours
+/// that the conventions name; own H_A where there is none.
+template <class Real>
+FAIRWAY_INLINE Vectors<Real> smoothed_curvature(const KernelMesh<Real>& mesh,
+                                                const StepNumbers<Real>& numbers,
+                                                const KernelFields<Real>& fields, Index slice) {
+  using V = Lanes<Real>;
+  const V zero = {};
+  const Slice& s = mesh.slices[slice];
+  const Index* column = mesh.ring + kLanes * std::size_t{s.columns};
+  const Real least = least_twice_area_squared(mesh.quantum);
+  const Gathered<Real> p = own<Real>(mesh.positions, slice);
+  const auto edge_to = [&](Index k) {
+    return between(p, gather(mesh.positions, column + kLanes * std::size_t{k}));
+  };
+  const auto angle = [&](const Vectors<Real>& a, const Vectors<Real>& b) {
+    const Vectors<Real> n = cross(a, b);
+    const V squared = dot(n, n);
+    return squared > least ? angle_of<Real>(square_root(squared), dot(a, b)) : zero;
+  };
+  Vectors<Real> sum = {};
+  V weights = {};
+  const auto add = [&](Index k, V weight) {
+    const Index* slots = column + kLanes * std::size_t{k};
+    if (!numbers.all_neighbours) {
+      const Mask<Real> feature = ((Mask<Real>)gather_values(fields.value, slots) & 1) != 0;
+      weight = feature ? weight : zero;
+    }
+    sum = sum + gather_quads(fields.curvature, slots).xyz * weight;
+    weights += weight;
+  };
+  const Vectors<Real> first = edge_to(0);
+  Vectors<Real> e = first;
+  V first_angle = zero;
+  V before = zero;
+  for (Index k = 0; k + 1 < s.valence; ++k) {
+    const Vectors<Real> next = edge_to(k + 1);
+    const V at = angle(e, next);
+    if (k == 0) {
+      first_angle = at;
+    } else {
+      add(k, before + at);
+    }
+    before = at;
+    e = next;
+  }
+  const V last = s.open ? zero : angle(e, first);
+  add(s.valence - 1, before + last);
+  add(0, last + first_angle);
+  const Vectors<Real> own_h = own_quads(fields.curvature, slice).xyz;
+  const Mask<Real> any = weights > zero;
+  const Vectors<Real> mean = sum * (1 / weights);
+  const auto half = [&](V own_part, V mean_part) {
+    return any ? (own_part + mean_part) / 2 : own_part;
+  };
+  return {half(own_h.x, mean.x), half(own_h.y, mean.y), half(own_h.z, mean.z)};
+}
+
+template <class Real>
+void direct(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
+            const KernelFields<Real>& fields, const std::uint8_t* features, Index first,
+            Index last) {
+  using V = Lanes<Real>;
+  // |H_A^s| below this many mean edges has no direction.
+  constexpr Real kNoDirection = static_cast<Real>(1e-14);
+  for (Index slice = first; slice < last; ++slice) {
+    if (features[slice] == 0) continue;
+    const Vectors<Real> smoothed = smoothed_curvature(mesh, numbers, fields, slice);
+    Quad<Real>* out = fields.direction + kLanes * std::size_t{slice};
+    const Quads<Real> volume = own_quads(fields.direction, slice);
+    const V size = square_root(dot(smoothed, smoothed));
+    const Mask<Real> takes = mask_of<Real>(features[slice]) & (size >= kNoDirection);
+    const V inverse = 1 / (dot(smoothed, volume.xyz) < 0 ? -size : size);
+    const auto choose = [&](V unit, V old) { return takes ? unit : old; };
+    store_quads<Real>(
+        out,
+        {choose(smoothed.x * inverse, volume.xyz.x), choose(smoothed.y * inverse, volume.xyz.y),
+         choose(smoothed.z * inverse, volume.xyz.z)},
+        volume.w);
+  }
+}
+
+template <class Real>
+void revalue(const StepNumbers<Real>& numbers, const KernelFields<Real>& fields,
+             const std::uint8_t* touched, Index first, Index last) {
+  for (Index slice = first; slice < last; ++slice) {
+    if (touched[slice] == 0) continue;
+    Real* value = fields.value + kLanes * std::size_t{slice};
+    const Mask<Real> kind = (Mask<Real>)load(value) & 1;
+    const Quads<Real> direction = own_quads(fields.direction, slice);
+    const Lanes<Real> f =
+        clear_lowest_bit(curvature_value(numbers.measure, own_quads(fields.curvature, slice).xyz,
+                                         direction.xyz, direction.w, Mask<Real>(kind != 0)));
+    store<Real>(value, (Lanes<Real>)((Mask<Real>)f | kind));
+  }
+}
+
+}  // namespace
+}  // namespace fairway::FAIRWAY_KERNELS_NAMESPACE
