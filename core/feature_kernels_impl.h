@@ -27,16 +27,16 @@ struct Fan {
   Vectors<Real> normal;  ///< 0 where absent
   V twice_area;          ///< 0 where absent
   V inverse;             ///< 1 / twice_area, 0 where absent
-  Mask<Real> present;
+  Mask<Real> absent;
 
   FAIRWAY_INLINE Fan(const Vectors<Real>& a, const Vectors<Real>& b, Real least_squared) {
     const V zero = {};
     twice_area_vector = cross(a, b);
     const V squared = dot(twice_area_vector, twice_area_vector);
     const V length = square_root(squared);
-    present = squared > least_squared;
-    inverse = present ? 1 / length : zero;
-    twice_area = present ? length : zero;
+    absent = squared <= least_squared;
+    inverse = absent ? zero : 1 / length;
+    twice_area = absent ? zero : length;
     normal = twice_area_vector * inverse;
   }
 
@@ -44,25 +44,25 @@ struct Fan {
     const V zero = {};
     twice_area_vector = normal = {zero, zero, zero};
     twice_area = inverse = zero;
-    present = Mask<Real>{};
+    absent = Mask<Real>{} - 1;
   }
 };
 
 /// λ and the weight beyond it, for |H_e| in stored units.
 template <class Real>
 struct Threshold {
-  Real lambda, squared, transition;
-  Real least;  ///< least_twice_area_squared()
+  Real squared, inverse, transition;  ///< λ², 1 / λ, r
+  Real least;                         ///< least_twice_area_squared()
 
   FAIRWAY_INLINE Threshold(const StepNumbers<Real>& numbers, Real quantum)
-      : lambda(numbers.lambda / quantum),
-        squared(lambda * lambda),
+      : squared(numbers.lambda / quantum * (numbers.lambda / quantum)),
+        inverse(quantum / numbers.lambda),
         transition(numbers.transition),
         least(least_twice_area_squared(quantum)) {}
 
   /// w of strong edges with |H_e|² = `h_squared`.
   FAIRWAY_INLINE Lanes<Real> weight(Lanes<Real> h_squared) const {
-    const Lanes<Real> excess = square_root(h_squared) / lambda - 1;
+    const Lanes<Real> excess = square_root(h_squared) * inverse - 1;
     return 1 / (transition * excess * excess + 1);
   }
 };
@@ -125,38 +125,23 @@ void restore(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
   for (std::size_t first = 0; first < count; first += kLanes) {
     const std::size_t some = std::min<std::size_t>(kLanes, count - first);
     const Restored<Real> edge(mesh, threshold, edges + first, some);
-    const Vectors<Real> missing = edge.missing * all(mesh.quantum);
+    alignas(64) Quad<Real> missing[kLanes];
+    store_quads<Real>(missing, edge.missing * all(mesh.quantum), Lanes<Real>{});
     for (std::size_t i = 0; i < some; ++i) {
       for (const Index slot : {edge.p[i], edge.q[i]}) {
-        curvature[slot].x += missing.x[i];
-        curvature[slot].y += missing.y[i];
-        curvature[slot].z += missing.z[i];
+        Quad<Real>& h = curvature[slot];
+        const Quad<Real>& m = missing[i];
+        h = {h.x + m.x, h.y + m.y, h.z + m.z, h.w + m.w};
       }
     }
   }
-}
-
-/// Moves one position by −(x, y, z) stored units.
-FAIRWAY_INLINE void shift(Stored<float>& p, float x, float y, float z,
-                          LargestMagnitude<float>& largest) {
-  const Mask<float> by = rounded(Lanes<float>{x, y, z, 0, 0, 0, 0, 0});
-  largest.see(Lanes<float>{static_cast<float>(p.x) - x, static_cast<float>(p.y) - y,
-                           static_cast<float>(p.z) - z, 0, 0, 0, 0, 0});
-  const auto less = [](std::int32_t a, std::int32_t b) {
-    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
-  };
-  p = {less(p.x, by[0]), less(p.y, by[1]), less(p.z, by[2]), 0};
-}
-FAIRWAY_INLINE void shift(Stored<double>& p, double x, double y, double z,
-                          LargestMagnitude<double>& largest) {
-  p = {p.x - x, p.y - y, p.z - z, 0};
-  largest.see(Lanes<double>{p.x, p.y, p.z, 0, 0, 0, 0, 0});
 }
 
 template <class Real>
 Real restore_moved(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
                    const StrongEdge* edges, std::size_t count, const Real* factor,
                    Stored<Real>* out) {
+  constexpr Real kRoom = 16;
   const Threshold<Real> threshold(numbers, mesh.quantum);
   LargestMagnitude<Real> largest;
   for (std::size_t first = 0; first < count; first += kLanes) {
@@ -164,10 +149,14 @@ Real restore_moved(const KernelMesh<Real>& mesh, const StepNumbers<Real>& number
     const Restored<Real> edge(mesh, threshold, edges + first, some);
     for (const Index* ends : {edge.p, edge.q}) {
       const Vectors<Real> by = edge.missing * gather_values(factor, ends);
-      for (std::size_t i = 0; i < some; ++i) {
-        shift(out[ends[i]], by.x[i], by.y[i], by.z[i], largest);
-      }
+      // A vertex may have several such edges: room for all of them counts.
+      for (const Lanes<Real>& c : {by.x, by.y, by.z}) largest.see(c * kRoom);
+      Stored<Real> stored[kLanes];
+      store_rounded(stored, by);
+      for (std::size_t i = 0; i < some; ++i) subtract(out[ends[i]], stored[i]);
     }
+    see_all(out, edge.p, largest);
+    see_all(out, edge.q, largest);
   }
   return largest.value();
 }

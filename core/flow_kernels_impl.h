@@ -31,16 +31,16 @@ struct Sums {
                                        const Vectors<Real>& e, const Threshold<Real>& threshold) {
     const Vectors<Real> term = cross(e, left.normal - right.normal);
     const V squared = dot(term, term);
-    const Mask<Real> whole = left.present & right.present;
     const Mask<Real> over = squared > threshold.squared;
-    if (bits_of(over | ~whole) == 0) {
+    const Mask<Real> torn = left.absent | right.absent;
+    if (bits_of(over | torn) == 0) {
       curvature = curvature + term;
       return 0;
     }
     const V zero = {};
     const V weight = over ? threshold.weight(squared) : zero + 1;
-    curvature = curvature + term * (whole ? weight : zero);
-    return static_cast<std::uint8_t>(bits_of(over & whole));
+    curvature = curvature + term * (torn ? zero : weight);
+    return static_cast<std::uint8_t>(bits_of(over & ~torn));
   }
 };
 
@@ -85,13 +85,18 @@ FAIRWAY_INLINE Sums<Real, kPrescribed> sum_ring(const KernelMesh<Real>& mesh,
   return sums;
 }
 
-template <class Real, bool kPrescribed>
-FAIRWAY_INLINE Sums<Real, kPrescribed> sum_ring(const KernelMesh<Real>& mesh,
-                                                const Threshold<Real>& threshold, Index slice,
-                                                const Gathered<Real>& p, std::uint8_t* strong) {
-  return mesh.slices[slice].open
-             ? sum_ring<Real, kPrescribed, true>(mesh, threshold, slice, p, strong)
-             : sum_ring<Real, kPrescribed, false>(mesh, threshold, slice, p, strong);
+/// Calls use(sums) for the ring sums of a slice; inlined on both ways, so that they stay in
+/// registers.
+template <class Real, bool kPrescribed, class Use>
+FAIRWAY_INLINE void with_ring_sums(const KernelMesh<Real>& mesh, const Threshold<Real>& threshold,
+                                   Index slice, const Gathered<Real>& p, std::uint8_t* strong,
+                                   const Use& use) {
+  std::uint8_t* columns = strong + mesh.slices[slice].columns;
+  if (mesh.slices[slice].open) {
+    use(sum_ring<Real, kPrescribed, true>(mesh, threshold, slice, p, columns));
+  } else {
+    use(sum_ring<Real, kPrescribed, false>(mesh, threshold, slice, p, columns));
+  }
 }
 
 /// c = s / M_pp, not more than ½ / K_pp where the step is local; 0 without a face.
@@ -116,20 +121,21 @@ void curvature(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
   const Real quantum = mesh.quantum;
   const Threshold<Real> threshold(numbers, quantum);
   for (Index slice = first; slice < last; ++slice) {
-    const auto sums =
-        sum_ring<Real, kPrescribed>(mesh, threshold, slice, own<Real>(mesh.positions, slice),
-                                    fields.strong + mesh.slices[slice].columns);
     const std::size_t slot = kLanes * std::size_t{slice};
-    const Vectors<Real> h = sums.curvature * all(quantum / 2);
-    store_quads<Real>(fields.curvature + slot, h, step_factor(sums, numbers, quantum));
-    if constexpr (kPrescribed) {
-      const Vectors<Real> volume = sums.area_vector * all(quantum * quantum / 6);
-      const V per_mass =
-          sums.twice_area > zero ? 6 / (sums.twice_area * (quantum * quantum)) : zero;
-      store_quads<Real>(fields.direction + slot, volume, per_mass);
-      const V f = curvature_value(numbers.measure, h, volume, per_mass, Mask<Real>{});
-      store<Real>(fields.value + slot, clear_lowest_bit(f));
-    }
+    const auto use = [&](const Sums<Real, kPrescribed>& sums) FAIRWAY_LAMBDA {
+      const Vectors<Real> h = sums.curvature * all(quantum / 2);
+      store_quads<Real>(fields.curvature + slot, h, step_factor(sums, numbers, quantum));
+      if constexpr (kPrescribed) {
+        const Vectors<Real> volume = sums.area_vector * all(quantum * quantum / 6);
+        const V per_mass =
+            sums.twice_area > zero ? 6 / (sums.twice_area * (quantum * quantum)) : zero;
+        store_quads<Real>(fields.direction + slot, volume, per_mass);
+        const V f = curvature_value(numbers.measure, h, volume, per_mass, Mask<Real>{});
+        store<Real>(fields.value + slot, clear_lowest_bit(f));
+      }
+    };
+    with_ring_sums<Real, kPrescribed>(mesh, threshold, slice, own<Real>(mesh.positions, slice),
+                                      fields.strong, use);
   }
 }
 
@@ -150,12 +156,13 @@ Real contract(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
   LargestMagnitude<Real> largest;
   for (Index slice = first; slice < last; ++slice) {
     const Gathered<Real> p = own<Real>(mesh.positions, slice);
-    const auto sums = sum_ring<Real, false>(mesh, threshold, slice, p,
-                                            fields.strong + mesh.slices[slice].columns);
-    const Lanes<Real> factor = step_factor(sums, numbers, mesh.quantum);
     const std::size_t slot = kLanes * std::size_t{slice};
-    store<Real>(fields.value + slot, factor);
-    store_moved(out + slot, p, sums.curvature * (factor / 2), largest);
+    const auto use = [&](const Sums<Real, false>& sums) FAIRWAY_LAMBDA {
+      const Lanes<Real> factor = step_factor(sums, numbers, mesh.quantum);
+      store<Real>(fields.value + slot, factor);
+      store_moved(out + slot, p, sums.curvature * (factor / 2), largest);
+    };
+    with_ring_sums<Real, false>(mesh, threshold, slice, p, fields.strong, use);
   }
   return largest.value();
 }
@@ -194,8 +201,8 @@ void bends(const KernelMesh<Real>& mesh, Index first, Index last, Real* out) {
   for (Index slice = first; slice < last; ++slice) {
     for_ring_edges(mesh, slice, [&](Index k, const Fan<Real>& left, const Fan<Real>& right) {
       const Vectors<Real> difference = left.normal - right.normal;
-      const Mask<Real> whole = left.present & right.present;
-      store<Real>(out + kLanes * std::size_t{k}, whole ? dot(difference, difference) : zero - 1);
+      const Mask<Real> torn = left.absent | right.absent;
+      store<Real>(out + kLanes * std::size_t{k}, torn ? zero - 1 : dot(difference, difference));
     });
     out += kLanes * std::size_t{mesh.slices[slice].valence};
   }

@@ -13,6 +13,7 @@
 #include "core/flow_kernels.h"
 
 #define FAIRWAY_INLINE inline __attribute__((always_inline))
+#define FAIRWAY_LAMBDA __attribute__((always_inline))
 
 namespace fairway::FAIRWAY_KERNELS_NAMESPACE {
 namespace {
@@ -366,18 +367,47 @@ FAIRWAY_INLINE Mask<float> rounded(Lanes<float> a) {
 #endif
 }
 
+/// a − b, wrapping around.
+FAIRWAY_INLINE Mask<float> less(Mask<float> a, Mask<float> b) {
+  typedef std::uint32_t Unsigned __attribute__((vector_size(32), aligned(32)));
+  return (Mask<float>)((Unsigned)a - (Unsigned)b);
+}
+
+/// Eight displacements in stored units.
+FAIRWAY_INLINE void store_rounded(Stored<float>* out, const Vectors<float>& by) {
+  store_quads<float>(
+      reinterpret_cast<Quad<float>*>(out),
+      {(Lanes<float>)rounded(by.x), (Lanes<float>)rounded(by.y), (Lanes<float>)rounded(by.z)},
+      Lanes<float>{});
+}
+FAIRWAY_INLINE void store_rounded(Stored<double>* out, const Vectors<double>& by) {
+  store_quads<double>(out, by, Lanes<double>{});
+}
+
+FAIRWAY_INLINE void subtract(Stored<float>& p, const Stored<float>& by) {
+  typedef std::uint32_t Four __attribute__((vector_size(16)));
+  Four a;
+  Four b;
+  std::memcpy(&a, &p, sizeof a);
+  std::memcpy(&b, &by, sizeof b);
+  a -= b;
+  std::memcpy(&p, &a, sizeof a);
+}
+FAIRWAY_INLINE void subtract(Stored<double>& p, const Stored<double>& by) {
+  p = {p.x - by.x, p.y - by.y, p.z - by.z, 0};
+}
+
 /// p − by, in stored units, into eight slots.
 FAIRWAY_INLINE void store_moved(Stored<float>* out, const Gathered<float>& p,
                                 const Vectors<float>& by, LargestMagnitude<float>& largest) {
   largest.see(__builtin_convertvector(p.x, Lanes<float>) - by.x);
   largest.see(__builtin_convertvector(p.y, Lanes<float>) - by.y);
   largest.see(__builtin_convertvector(p.z, Lanes<float>) - by.z);
-  const auto less = [](Mask<float> a, Lanes<float> b) {
-    typedef std::uint32_t Unsigned __attribute__((vector_size(32), aligned(32)));
-    return (Lanes<float>)((Unsigned)a - (Unsigned)rounded(b));
-  };
-  store_quads<float>(reinterpret_cast<Quad<float>*>(out),
-                     {less(p.x, by.x), less(p.y, by.y), less(p.z, by.z)}, Lanes<float>{});
+  store_quads<float>(
+      reinterpret_cast<Quad<float>*>(out),
+      {(Lanes<float>)less(p.x, rounded(by.x)), (Lanes<float>)less(p.y, rounded(by.y)),
+       (Lanes<float>)less(p.z, rounded(by.z))},
+      Lanes<float>{});
 }
 FAIRWAY_INLINE void store_moved(Stored<double>* out, const Gathered<double>& p,
                                 const Vectors<double>& by, LargestMagnitude<double>& largest) {
@@ -386,6 +416,20 @@ FAIRWAY_INLINE void store_moved(Stored<double>* out, const Gathered<double>& p,
   largest.see(to.y);
   largest.see(to.z);
   store_quads<double>(out, to, Lanes<double>{});
+}
+
+/// Looks at the coordinates of eight slots.
+FAIRWAY_INLINE void see_all(const Stored<float>* positions, const Index* slots,
+                            LargestMagnitude<float>& largest) {
+  const Gathered<float> p = gather(positions, slots);
+  for (const Mask<float>& c : {p.x, p.y, p.z}) {
+    largest.see(__builtin_convertvector(c, Lanes<float>));
+  }
+}
+FAIRWAY_INLINE void see_all(const Stored<double>* positions, const Index* slots,
+                            LargestMagnitude<double>& largest) {
+  const Gathered<double> p = gather(positions, slots);
+  for (const Lanes<double>& c : {p.x, p.y, p.z}) largest.see(c);
 }
 
 /// The lowest bit of f says "feature vertex".

@@ -96,7 +96,7 @@ class Flow final : public PackedFlow {
   std::vector<Quad<Real>> curvature_, direction_;  // where the method needs them
   std::vector<Quad<Real>> start_normals_;          // of the sampled slices
   std::vector<Real> value_, other_value_;
-  std::vector<std::uint8_t> strong_;              // a little longer than it has columns
+  std::vector<std::uint8_t> strong_;              // by column, and padding
   std::vector<std::uint8_t> features_, touched_;  // by slice
   std::vector<Index> held_;                       // slots
   StrongGroups groups_;
@@ -121,7 +121,7 @@ Flow<Real>::Flow(const TriangleMesh& mesh, std::span<const Vec3> positions, doub
   x_.resize(slots, {});
   next_.resize(slots);
   value_.resize(slots);
-  strong_.resize(packed_.column_count() + 8);
+  strong_.resize(packed_.column_count() + PackedMesh::kPadding);
   const double scale = 1.0 / (mean_edge * quantum_);
   for (std::size_t slot = 0; slot < slots; ++slot) {
     const Index v = packed_.vertex_of_slot()[slot];
@@ -341,7 +341,7 @@ bool Flow<Real>::contract(const StepNumbers<Real>& numbers, double bound) {
     const std::span<const StrongEdge> noise = groups_.noise();
     const auto largest = static_cast<double>(kernels_.restore_moved(
         kernel_mesh(), numbers, noise.data(), noise.size(), value_.data(), next_.data()));
-    if (!(largest * quantum_ <= bound) || largest > kLargestStored) return false;
+    if (!(largest * quantum_ <= bound)) return false;
   }
   x_.swap(next_);
   return true;

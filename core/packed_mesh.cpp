@@ -126,14 +126,18 @@ void PackedMesh::make_slices(const TriangleMesh& mesh, std::span<const Index> eq
 void PackedMesh::make_rings(const TriangleMesh& mesh) {
   if (slices_.empty()) return;
   ring_.resize(kLanes * std::size_t{slices_.back().columns + slices_.back().valence});
+  owned_.resize(column_count() + kPadding);
   for (std::size_t s = 0; s < slices_.size(); ++s) {
+    std::uint8_t* owned = owned_.data() + slices_[s].columns;
     Index* column = ring_.data() + kLanes * std::size_t{slices_[s].columns};
     for (Index lane = 0; lane < kLanes; ++lane) {
       const auto slot = static_cast<Index>(kLanes * s + lane);
       const Index v = vertex_of_slot_[slot];
       const Index* neighbours = v == kNoIndex ? nullptr : mesh.rings()[v].data();
       for (Index k = 0; k < slices_[s].valence; ++k) {
-        column[kLanes * k + lane] = v == kNoIndex ? slot : slot_of_vertex_[neighbours[k]];
+        const Index q = v == kNoIndex ? slot : slot_of_vertex_[neighbours[k]];
+        column[kLanes * k + lane] = q;
+        owned[k] = static_cast<std::uint8_t>(owned[k] | (slot < q ? 1U : 0U) << lane);
       }
     }
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -15,10 +16,15 @@ namespace fairway {
 /// no area and never move.
 class PackedMesh {
  public:
+  static constexpr std::size_t kPadding = 8;
+
   explicit PackedMesh(const TriangleMesh& mesh);
 
   std::span<const Slice> slices() const { return slices_; }
   std::span<const Index> ring() const { return ring_; }
+  /// Per column, a bit per lane whose slot is less than its neighbour's: each edge counts once.
+  /// Followed by kPadding bytes, so that eight may be read at a time.
+  std::span<const std::uint8_t> owned() const { return owned_; }
   std::size_t slot_count() const { return kLanes * slices_.size(); }
   std::size_t column_count() const { return ring_.size() / kLanes; }
 
@@ -33,6 +39,7 @@ class PackedMesh {
 
   std::vector<Slice> slices_;
   std::vector<Index> ring_;
+  std::vector<std::uint8_t> owned_;
   std::vector<Index> vertex_of_slot_;
   std::vector<Index> slot_of_vertex_;
 };

@@ -16,17 +16,16 @@ constexpr std::int32_t kAlone = -1;
 // Edges that are joined at a time.
 constexpr std::size_t kBlock = 2048;
 
-/// Whether any of a slice's columns has a strong edge.
-bool has_strong(const std::uint8_t* strong, Index valence) {
-  if (valence > 8) {
-    return std::any_of(strong, strong + valence, [](std::uint8_t lanes) { return lanes != 0; });
+/// `count` ≤ 8 bytes as one number: bit 8 i + j is bit j of byte i.
+std::uint64_t bits_at(const std::uint8_t* bytes, std::size_t count) {
+  std::uint64_t bits = 0;
+  if constexpr (std::endian::native == std::endian::little) {
+    std::memcpy(&bits, bytes, sizeof bits);
+    return bits & ~std::uint64_t{0} >> (64 - 8 * count);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) bits |= std::uint64_t{bytes[i]} << 8 * i;
+    return bits;
   }
-  std::uint64_t all = 0;
-  std::memcpy(&all, strong, sizeof all);
-  const std::uint64_t wanted = std::endian::native == std::endian::little
-                                   ? ~std::uint64_t{0} >> (64 - 8 * valence)
-                                   : ~std::uint64_t{0} << (64 - 8 * valence);
-  return (all & wanted) != 0;
 }
 
 }  // namespace
@@ -73,25 +72,23 @@ void StrongGroups::find(const PackedMesh& mesh, std::span<const std::uint8_t> st
   least_ = -std::max(min_component, 2);
   parent_.assign(mesh.slot_count(), kAlone);
   noise_.clear();
-  block_.resize(std::max(block_.size(), kBlock + kLanes));
+  block_.resize(std::max(block_.size(), kBlock + 64));
   std::size_t count = 0;
   Index first_slot = 0;
   for (const Slice& slice : mesh.slices()) {
-    const std::uint8_t* bits = strong.data() + slice.columns;
-    if (has_strong(bits, slice.valence)) {
-      for (Index k = 0; k < slice.valence; ++k) {
-        if (bits[k] == 0) continue;
-        const Index* column = mesh.ring().data() + kLanes * (std::size_t{slice.columns} + k);
-        // Without a branch per lane, which would be foretold wrongly half the time.
-        for (Index lane = 0; lane < kLanes; ++lane) {
-          block_[count] = {first_slot + lane, column[lane], k};
-          const bool counts = (bits[k] >> lane & 1U) != 0 && first_slot + lane < column[lane];
-          count += counts ? 1 : 0;
-        }
-        if (count < kBlock) continue;
-        join_block(count);
-        count = 0;
+    for (Index k = 0; k < slice.valence; k += 8) {
+      const std::size_t column = std::size_t{slice.columns} + k;
+      const Index* ring = mesh.ring().data() + kLanes * column;
+      const std::size_t columns = std::min<std::size_t>(8, slice.valence - k);
+      std::uint64_t edges = bits_at(strong.data() + column, columns);
+      if (edges != 0) edges &= bits_at(mesh.owned().data() + column, columns);
+      for (; edges != 0; edges &= edges - 1) {
+        const auto at = static_cast<Index>(std::countr_zero(edges));
+        block_[count++] = {first_slot + at % kLanes, ring[at], k + at / kLanes};
       }
+      if (count < kBlock) continue;
+      join_block(count);
+      count = 0;
     }
     first_slot += kLanes;
   }

@@ -13,7 +13,7 @@ namespace fairway {
 /// Kept between steps for its memory.
 class StrongGroups {
  public:
-  /// `strong`: a bit per lane and column, and readable for seven bytes more. Groups with fewer than
+  /// `strong`: a bit per lane and column, with its padding. Groups with fewer than
   /// `min_component` vertices are noise.
   void find(const PackedMesh& mesh, std::span<const std::uint8_t> strong, int min_component);
 
