@@ -90,11 +90,11 @@ FAIRWAY_INLINE Lanes<Real> curvature_value(KernelMeasure measure, const Vectors<
 
 /// Up to eight strong edges: their ends and ½ (1 − w) H_e N_e in stored units.
 template <class Real>
-struct Restored {
+struct Weakened {
   Index p[8], q[8];
-  Vectors<Real> missing;
+  Vectors<Real> excess;
 
-  FAIRWAY_INLINE Restored(const KernelMesh<Real>& mesh, const Threshold<Real>& threshold,
+  FAIRWAY_INLINE Weakened(const KernelMesh<Real>& mesh, const Threshold<Real>& threshold,
                           const StrongEdge* edges, std::size_t count) {
     Index left[8];
     Index right[8];
@@ -114,46 +114,46 @@ struct Restored {
     const Fan<Real> left_face(e, between(at, gather(mesh.positions, left)), threshold.least);
     const Fan<Real> right_face(between(at, gather(mesh.positions, right)), e, threshold.least);
     const Vectors<Real> term = cross(e, left_face.normal - right_face.normal);
-    missing = term * ((1 - threshold.weight(dot(term, term))) / 2);
+    excess = term * ((1 - threshold.weight(dot(term, term))) / 2);
   }
 };
 
 template <class Real>
-void restore(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
-             const StrongEdge* edges, std::size_t count, Quad<Real>* curvature) {
+void weaken(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers, const StrongEdge* edges,
+            std::size_t count, Quad<Real>* curvature) {
   const Threshold<Real> threshold(numbers, mesh.quantum);
   for (std::size_t first = 0; first < count; first += kLanes) {
     const std::size_t some = std::min<std::size_t>(kLanes, count - first);
-    const Restored<Real> edge(mesh, threshold, edges + first, some);
-    alignas(64) Quad<Real> missing[kLanes];
-    store_quads<Real>(missing, edge.missing * all(mesh.quantum), Lanes<Real>{});
+    const Weakened<Real> edge(mesh, threshold, edges + first, some);
+    alignas(64) Quad<Real> excess[kLanes];
+    store_quads<Real>(excess, edge.excess * all(mesh.quantum), Lanes<Real>{});
     for (std::size_t i = 0; i < some; ++i) {
       for (const Index slot : {edge.p[i], edge.q[i]}) {
         Quad<Real>& h = curvature[slot];
-        const Quad<Real>& m = missing[i];
-        h = {h.x + m.x, h.y + m.y, h.z + m.z, h.w + m.w};
+        const Quad<Real>& x = excess[i];
+        h = {h.x - x.x, h.y - x.y, h.z - x.z, h.w - x.w};
       }
     }
   }
 }
 
 template <class Real>
-Real restore_moved(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
-                   const StrongEdge* edges, std::size_t count, const Real* factor,
-                   Stored<Real>* out) {
+Real weaken_moved(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
+                  const StrongEdge* edges, std::size_t count, const Real* factor,
+                  Stored<Real>* out) {
   constexpr Real kRoom = 16;
   const Threshold<Real> threshold(numbers, mesh.quantum);
   LargestMagnitude<Real> largest;
   for (std::size_t first = 0; first < count; first += kLanes) {
     const std::size_t some = std::min<std::size_t>(kLanes, count - first);
-    const Restored<Real> edge(mesh, threshold, edges + first, some);
+    const Weakened<Real> edge(mesh, threshold, edges + first, some);
     for (const Index* ends : {edge.p, edge.q}) {
-      const Vectors<Real> by = edge.missing * gather_values(factor, ends);
+      const Vectors<Real> by = edge.excess * gather_values(factor, ends);
       // A vertex may have several such edges: room for all of them counts.
       for (const Lanes<Real>& c : {by.x, by.y, by.z}) largest.see(c * kRoom);
       Stored<Real> stored[kLanes];
       store_rounded(stored, by);
-      for (std::size_t i = 0; i < some; ++i) subtract(out[ends[i]], stored[i]);
+      for (std::size_t i = 0; i < some; ++i) add(out[ends[i]], stored[i]);
     }
     see_all(out, edge.p, largest);
     see_all(out, edge.q, largest);
@@ -245,9 +245,9 @@ void direct(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
 
 template <class Real>
 void revalue(const StepNumbers<Real>& numbers, const KernelFields<Real>& fields,
-             const std::uint8_t* touched, Index first, Index last) {
+             const std::uint8_t* features, Index first, Index last) {
   for (Index slice = first; slice < last; ++slice) {
-    if (touched[slice] == 0) continue;
+    if (features[slice] == 0) continue;
     Real* value = fields.value + kLanes * std::size_t{slice};
     const Mask<Real> kind = (Mask<Real>)load(value) & 1;
     const Quads<Real> direction = own_quads(fields.direction, slice);

@@ -90,23 +90,23 @@ struct FlowKernels {
   void (*bends)(const KernelMesh<Real>&, Index first, Index last, Real* out);
   /// Unit area-weighted normals into `out`, 8 per slice from `out[0]` on; 0 where there is none.
   void (*normals)(const KernelMesh<Real>&, Index first, Index last, Quad<Real>* out);
-  /// Fills the fields: H_A, c, ∇vol, f of a non-feature vertex, strong edges.
+  /// Fills the fields: H (weights 1), c, ∇vol, f of a non-feature vertex, strong edges.
   void (*curvature)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
                     Index first, Index last);
-  /// p − c H_A into `out`, c into the values, strong edges. Returns like `move`.
+  /// p − c H into `out`, weights 1, c into the values, strong edges. Returns like `move`.
   Real (*contract)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
                    Index first, Index last, Position* out);
-  /// Gives edges their full weight back: ½ (1 − w) H_e N_e is added to H_A at both ends.
-  void (*restore)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdge* edges,
-                  std::size_t count, Quad<Real>* curvature);
+  /// Gives strong edges their weight: takes ½ (1 − w) H_e N_e from H_A at both ends.
+  void (*weaken)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdge* edges,
+                 std::size_t count, Quad<Real>* curvature);
   /// The same after `contract`, whose `out` and c this takes. Returns like `move`.
-  Real (*restore_moved)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdge* edges,
-                        std::size_t count, const Real* factor, Position* out);
+  Real (*weaken_moved)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdge* edges,
+                       std::size_t count, const Real* factor, Position* out);
   /// V_A at the feature vertices, a bit per lane in `features`, one byte per slice.
   void (*direct)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
                  const std::uint8_t* features, Index first, Index last);
-  /// f anew in slices that are `touched`, from H_A and V_A; its kind stays.
-  void (*revalue)(const StepNumbers<Real>&, const KernelFields<Real>&, const std::uint8_t* touched,
+  /// f anew in slices with feature vertices, from H_A and V_A; its kind stays.
+  void (*revalue)(const StepNumbers<Real>&, const KernelFields<Real>&, const std::uint8_t* features,
                   Index first, Index last);
   /// One smoothing pass of f into `out`.
   void (*average)(const KernelMesh<Real>&, const MoveNumbers<Real>&, const Real* value, Index first,

@@ -9,14 +9,16 @@
 namespace fairway::FAIRWAY_KERNELS_NAMESPACE {
 namespace {
 
-/// Sums over the rings of eight vertices, in stored units.
-template <class Real, bool kPrescribed>
+/// Sums over the rings of eight vertices, in stored units. Unless `kTorn`, all faces are taken for
+/// present, and `absent` says afterwards whether that was wrong.
+template <class Real, bool kPrescribed, bool kTorn>
 struct Sums {
   using V = Lanes<Real>;
-  Vectors<Real> curvature = {};    ///< Σ w H_e N_e
+  Vectors<Real> curvature = {};    ///< Σ H_e N_e
   Vectors<Real> area_vector = {};  ///< Σ twice area · N
   V twice_area = {};
   V cotangents = {};  ///< Σ (|cot| + |cot|) = 2 K_pp
+  Mask<Real> absent = {};
 
   FAIRWAY_INLINE void add_face(const Fan<Real>& fan, const Vectors<Real>& a, V aa,
                                const Vectors<Real>& b, V bb) {
@@ -24,37 +26,35 @@ struct Sums {
     twice_area += fan.twice_area;
     const V ab = dot(a, b);
     cotangents += (magnitude(aa - ab) + magnitude(bb - ab)) * fan.inverse;
+    if constexpr (!kTorn) absent = absent | fan.absent;
   }
 
   /// The edge along `e` with `left` counter-clockwise of it. Returns which lanes are strong.
   FAIRWAY_INLINE std::uint8_t add_edge(const Fan<Real>& left, const Fan<Real>& right,
-                                       const Vectors<Real>& e, const Threshold<Real>& threshold) {
-    const Vectors<Real> term = cross(e, left.normal - right.normal);
-    const V squared = dot(term, term);
-    const Mask<Real> over = squared > threshold.squared;
-    const Mask<Real> torn = left.absent | right.absent;
-    if (bits_of(over | torn) == 0) {
-      curvature = curvature + term;
-      return 0;
+                                       const Vectors<Real>& e, Real lambda_squared) {
+    Vectors<Real> term = cross(e, left.normal - right.normal);
+    if constexpr (kTorn) {
+      const V zero = {};
+      const Mask<Real> torn = left.absent | right.absent;
+      term = {torn ? zero : term.x, torn ? zero : term.y, torn ? zero : term.z};
     }
-    const V zero = {};
-    const V weight = over ? threshold.weight(squared) : zero + 1;
-    curvature = curvature + term * (torn ? zero : weight);
-    return static_cast<std::uint8_t>(bits_of(over & ~torn));
+    curvature = curvature + term;
+    return static_cast<std::uint8_t>(bits_of(dot(term, term) > lambda_squared));
   }
 };
 
-template <class Real, bool kPrescribed, bool kOpen>
-FAIRWAY_INLINE Sums<Real, kPrescribed> sum_ring(const KernelMesh<Real>& mesh,
-                                                const Threshold<Real>& threshold, Index slice,
-                                                const Gathered<Real>& p, std::uint8_t* strong) {
+template <class Real, bool kPrescribed, bool kOpen, bool kTorn>
+FAIRWAY_INLINE Sums<Real, kPrescribed, kTorn> sum_ring(const KernelMesh<Real>& mesh,
+                                                       const Threshold<Real>& threshold,
+                                                       Index slice, const Gathered<Real>& p,
+                                                       std::uint8_t* strong) {
   using V = Lanes<Real>;
   const Slice& s = mesh.slices[slice];
   const Index* column = mesh.ring + kLanes * std::size_t{s.columns};
   const auto edge_to = [&](Index k) {
     return between(p, gather(mesh.positions, column + kLanes * std::size_t{k}));
   };
-  Sums<Real, kPrescribed> sums;
+  Sums<Real, kPrescribed, kTorn> sums;
   const Vectors<Real> first = edge_to(0);
   const V first_squared = dot(first, first);
   Vectors<Real> a = first;
@@ -71,7 +71,7 @@ FAIRWAY_INLINE Sums<Real, kPrescribed> sum_ring(const KernelMesh<Real>& mesh,
     bb = dot(b, b);
     const Fan<Real> face(a, b, threshold.least);
     sums.add_face(face, a, aa, b, bb);
-    strong[k] = sums.add_edge(face, before, a, threshold);
+    strong[k] = sums.add_edge(face, before, a, threshold.squared);
     before = face;
   }
   if constexpr (kOpen) {
@@ -79,30 +79,41 @@ FAIRWAY_INLINE Sums<Real, kPrescribed> sum_ring(const KernelMesh<Real>& mesh,
   } else {
     const Fan<Real> last_face(b, first, threshold.least);
     sums.add_face(last_face, b, bb, first, first_squared);
-    strong[s.valence - 1] = sums.add_edge(last_face, before, b, threshold);
-    strong[0] = sums.add_edge(first_face, last_face, first, threshold);
+    strong[s.valence - 1] = sums.add_edge(last_face, before, b, threshold.squared);
+    strong[0] = sums.add_edge(first_face, last_face, first, threshold.squared);
   }
   return sums;
 }
 
-/// Calls use(sums) for the ring sums of a slice; inlined on both ways, so that they stay in
+/// Calls use(sums) for the ring sums of a slice; inlined on every way, so that they stay in
 /// registers.
+template <class Real, bool kPrescribed, bool kOpen, class Use>
+FAIRWAY_INLINE void with_ring_sums(const KernelMesh<Real>& mesh, const Threshold<Real>& threshold,
+                                   Index slice, const Gathered<Real>& p, std::uint8_t* strong,
+                                   const Use& use) {
+  const auto sums = sum_ring<Real, kPrescribed, kOpen, false>(mesh, threshold, slice, p, strong);
+  if (bits_of(sums.absent) == 0) {
+    use(sums);
+  } else {
+    use(sum_ring<Real, kPrescribed, kOpen, true>(mesh, threshold, slice, p, strong));
+  }
+}
 template <class Real, bool kPrescribed, class Use>
 FAIRWAY_INLINE void with_ring_sums(const KernelMesh<Real>& mesh, const Threshold<Real>& threshold,
                                    Index slice, const Gathered<Real>& p, std::uint8_t* strong,
                                    const Use& use) {
   std::uint8_t* columns = strong + mesh.slices[slice].columns;
   if (mesh.slices[slice].open) {
-    use(sum_ring<Real, kPrescribed, true>(mesh, threshold, slice, p, columns));
+    with_ring_sums<Real, kPrescribed, true>(mesh, threshold, slice, p, columns, use);
   } else {
-    use(sum_ring<Real, kPrescribed, false>(mesh, threshold, slice, p, columns));
+    with_ring_sums<Real, kPrescribed, false>(mesh, threshold, slice, p, columns, use);
   }
 }
 
 /// c = s / M_pp, not more than ½ / K_pp where the step is local; 0 without a face.
-template <class Real, bool kPrescribed>
-FAIRWAY_INLINE Lanes<Real> step_factor(const Sums<Real, kPrescribed>& sums,
-                                       const StepNumbers<Real>& numbers, Real quantum) {
+template <class Real, class RingSums>
+FAIRWAY_INLINE Lanes<Real> step_factor(const RingSums& sums, const StepNumbers<Real>& numbers,
+                                       Real quantum) {
   const Lanes<Real> zero = {};
   // 1 / M_pp = 6 / Σ twice area; ½ / K_pp = 1 / Σ cotangents.
   Lanes<Real> step = 6 * numbers.time_step / (sums.twice_area * (quantum * quantum));
@@ -122,7 +133,7 @@ void curvature(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
   const Threshold<Real> threshold(numbers, quantum);
   for (Index slice = first; slice < last; ++slice) {
     const std::size_t slot = kLanes * std::size_t{slice};
-    const auto use = [&](const Sums<Real, kPrescribed>& sums) FAIRWAY_LAMBDA {
+    const auto use = [&](const auto& sums) FAIRWAY_LAMBDA {
       const Vectors<Real> h = sums.curvature * all(quantum / 2);
       store_quads<Real>(fields.curvature + slot, h, step_factor(sums, numbers, quantum));
       if constexpr (kPrescribed) {
@@ -157,7 +168,7 @@ Real contract(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
   for (Index slice = first; slice < last; ++slice) {
     const Gathered<Real> p = own<Real>(mesh.positions, slice);
     const std::size_t slot = kLanes * std::size_t{slice};
-    const auto use = [&](const Sums<Real, false>& sums) FAIRWAY_LAMBDA {
+    const auto use = [&](const auto& sums) FAIRWAY_LAMBDA {
       const Lanes<Real> factor = step_factor(sums, numbers, mesh.quantum);
       store<Real>(fields.value + slot, factor);
       store_moved(out + slot, p, sums.curvature * (factor / 2), largest);
@@ -297,7 +308,7 @@ double displacement(const KernelMesh<Real>& mesh, const Stored<Real>* start,
 
 template <class Real>
 constexpr FlowKernels<Real> kKernels = {&bends<Real>,    &normals<Real>,     &curvature<Real>,
-                                        &contract<Real>, &restore<Real>,     &restore_moved<Real>,
+                                        &contract<Real>, &weaken<Real>,      &weaken_moved<Real>,
                                         &direct<Real>,   &revalue<Real>,     &average<Real>,
                                         &move<Real>,     &displacement<Real>};
 

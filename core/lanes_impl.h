@@ -384,17 +384,17 @@ FAIRWAY_INLINE void store_rounded(Stored<double>* out, const Vectors<double>& by
   store_quads<double>(out, by, Lanes<double>{});
 }
 
-FAIRWAY_INLINE void subtract(Stored<float>& p, const Stored<float>& by) {
+FAIRWAY_INLINE void add(Stored<float>& p, const Stored<float>& by) {
   typedef std::uint32_t Four __attribute__((vector_size(16)));
   Four a;
   Four b;
   std::memcpy(&a, &p, sizeof a);
   std::memcpy(&b, &by, sizeof b);
-  a -= b;
+  a += b;
   std::memcpy(&p, &a, sizeof a);
 }
-FAIRWAY_INLINE void subtract(Stored<double>& p, const Stored<double>& by) {
-  p = {p.x - by.x, p.y - by.y, p.z - by.z, 0};
+FAIRWAY_INLINE void add(Stored<double>& p, const Stored<double>& by) {
+  p = {p.x + by.x, p.y + by.y, p.z + by.z, 0};
 }
 
 /// p − by, in stored units, into eight slots.

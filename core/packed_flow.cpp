@@ -21,9 +21,10 @@ namespace fairway {
 namespace {
 
 constexpr std::size_t kGrain = 256;  // slices per range
-// Bends and displacements are looked at on this many slices where there are more: at 8 192
-// vertices a median or a mean square is known to one percent.
-constexpr std::size_t kSampledSlices = 1024;
+// Where there are more, bends and displacements are looked at in this many even places, each of a
+// few slices in a row: with 4 096 vertices a median or a mean square is known to about one percent.
+constexpr std::size_t kSampledPlaces = 128;
+constexpr std::size_t kSlicesPerPlace = 4;
 constexpr std::size_t kDoubleVertices = 20'000;
 // |N0 − N1|² of an edge bent by 120°.
 constexpr double kFolded = 3.0;
@@ -65,14 +66,13 @@ class Flow final : public PackedFlow {
   MoveNumbers<Real> move_numbers() const;
   void make_fields(bool prescribed);
   void compute_curvature(const StepNumbers<Real>& numbers);
-  bool finds_groups(const StepNumbers<Real>& numbers) const;
+  void find_features();
   void prescribe_features(const StepNumbers<Real>& numbers);
   void average_values(const MoveNumbers<Real>& numbers, int passes);
   template <class Kernel>
   bool move_by(double bound, const Kernel& kernel);
   bool contract(const StepNumbers<Real>& numbers, double bound);
   bool move(const StepNumbers<Real>& numbers, double bound);
-  void clear_noise();
   Outcome solve_step(const StepNumbers<Real>& numbers, double bound);
   void coarsen();
   /// Calls body(first slice, last slice) for all slices, by ranges.
@@ -82,8 +82,16 @@ class Flow final : public PackedFlow {
       body(static_cast<Index>(first), static_cast<Index>(last));
     });
   }
-  std::size_t sample_stride() const {
-    return std::max<std::size_t>(1, packed_.slices().size() / kSampledSlices);
+  /// Calls body(first slice, last slice) for the sampled places, all of a small surface.
+  template <class Body>
+  void for_sample(const Body& body) const {
+    const std::size_t slices = packed_.slices().size();
+    if (slices <= kSampledPlaces * kSlicesPerPlace)
+      return body(Index{0}, static_cast<Index>(slices));
+    for (std::size_t i = 0; i < kSampledPlaces; ++i) {
+      const auto first = static_cast<Index>(i * (slices - kSlicesPerPlace) / (kSampledPlaces - 1));
+      body(first, static_cast<Index>(first + kSlicesPerPlace));
+    }
   }
 
   PackedMesh packed_;
@@ -96,9 +104,9 @@ class Flow final : public PackedFlow {
   std::vector<Quad<Real>> curvature_, direction_;  // where the method needs them
   std::vector<Quad<Real>> start_normals_;          // of the sampled slices
   std::vector<Real> value_, other_value_;
-  std::vector<std::uint8_t> strong_;              // by column, and padding
-  std::vector<std::uint8_t> features_, touched_;  // by slice
-  std::vector<Index> held_;                       // slots
+  std::vector<std::uint8_t> strong_;    // by column, and padding
+  std::vector<std::uint8_t> features_;  // by slice
+  std::vector<Index> held_;             // slots
   StrongGroups groups_;
   std::optional<SystemStep> system_;
 };
@@ -140,14 +148,18 @@ Flow<Real>::Flow(const TriangleMesh& mesh, std::span<const Vec3> positions, doub
 
 template <class Real>
 PackedFlow::Bends Flow<Real>::bends(bool sampled) {
-  const std::size_t slices = packed_.slices().size();
-  const std::size_t stride = sampled ? sample_stride() : 1;
   std::vector<Real> values;
-  const KernelMesh<Real> mesh = kernel_mesh();
-  for (std::size_t s = 0; s < slices; s += stride) {
+  const auto look = [&](Index first, Index last) {
+    const Slice& final = packed_.slices()[last - 1];
+    const std::size_t columns = final.columns + final.valence - packed_.slices()[first].columns;
     const std::size_t before = values.size();
-    values.resize(before + kLanes * std::size_t{packed_.slices()[s].valence});
-    kernels_.bends(mesh, static_cast<Index>(s), static_cast<Index>(s + 1), values.data() + before);
+    values.resize(before + kLanes * columns);
+    kernels_.bends(kernel_mesh(), first, last, values.data() + before);
+  };
+  if (sampled) {
+    for_sample(look);
+  } else {
+    look(0, static_cast<Index>(packed_.slices().size()));
   }
   std::erase_if(values, [](Real squared) { return squared < 0; });
   if (values.empty()) return {};
@@ -210,11 +222,11 @@ template <class Real>
 void Flow<Real>::mark_start() {
   start_ = x_;
   start_normals_.clear();
-  for (std::size_t s = 0; s < packed_.slices().size(); s += sample_stride()) {
-    start_normals_.resize(start_normals_.size() + kLanes);
-    kernels_.normals(kernel_mesh(), static_cast<Index>(s), static_cast<Index>(s + 1),
-                     start_normals_.data() + start_normals_.size() - kLanes);
-  }
+  for_sample([&](Index first, Index last) {
+    const std::size_t before = start_normals_.size();
+    start_normals_.resize(before + kLanes * std::size_t{last - first});
+    kernels_.normals(kernel_mesh(), first, last, start_normals_.data() + before);
+  });
 }
 
 template <class Real>
@@ -222,13 +234,14 @@ double Flow<Real>::displacement() {
   double sum = 0.0;
   std::size_t vertices = 0;
   const Quad<Real>* normals = start_normals_.data();
-  for (std::size_t s = 0; s < packed_.slices().size(); s += sample_stride(), normals += kLanes) {
-    sum += kernels_.displacement(kernel_mesh(), start_.data(), normals, static_cast<Index>(s),
-                                 static_cast<Index>(s + 1));
-    for (std::size_t slot = kLanes * s; slot < kLanes * (s + 1); ++slot) {
+  for_sample([&](Index first, Index last) {
+    sum += kernels_.displacement(kernel_mesh(), start_.data(), normals, first, last);
+    normals += kLanes * std::size_t{last - first};
+    for (std::size_t slot = kLanes * std::size_t{first}; slot < kLanes * std::size_t{last};
+         ++slot) {
       vertices += packed_.vertex_of_slot()[slot] != kNoIndex ? 1 : 0;
     }
-  }
+  });
   return std::sqrt(sum / static_cast<double>(vertices));
 }
 
@@ -252,22 +265,15 @@ MoveNumbers<Real> Flow<Real>::move_numbers() const {
           .prescribed = is_prescribed(options_.method)};
 }
 
-/// Whether some strong edges are noise.
+/// Which strong edges are features; the others are noise, and have no more to them than any edge.
 template <class Real>
-bool Flow<Real>::finds_groups(const StepNumbers<Real>& numbers) const {
-  return is_anisotropic(options_.method) &&
-         (numbers.prescribed || options_.guards.min_component > 2);
+void Flow<Real>::find_features() {
+  groups_.find(packed_, strong_, options_.guards.min_component, features_);
 }
 
-/// V_A and f where edges are strong.
+/// V_A and f at feature vertices.
 template <class Real>
 void Flow<Real>::prescribe_features(const StepNumbers<Real>& numbers) {
-  features_.resize(packed_.slices().size());
-  groups_.features(features_);
-  touched_ = features_;
-  for (const StrongEdge& edge : groups_.noise()) {
-    touched_[edge.p / kLanes] = touched_[edge.q / kLanes] = 1;
-  }
   // Kinds first: who averages with whom depends on them.
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   for (std::size_t slice = 0; slice < features_.size(); ++slice) {
@@ -280,7 +286,7 @@ void Flow<Real>::prescribe_features(const StepNumbers<Real>& numbers) {
     kernels_.direct(kernel_mesh(), numbers, fields(), features_.data(), first, last);
   });
   for_slices([&](Index first, Index last) {
-    kernels_.revalue(numbers, fields(), touched_.data(), first, last);
+    kernels_.revalue(numbers, fields(), features_.data(), first, last);
   });
 }
 
@@ -324,8 +330,7 @@ bool Flow<Real>::move_by(double bound, const Kernel& kernel) {
   }
 }
 
-/// A mean curvature flow step in one pass; then what was taken from edges of small groups comes
-/// back.
+/// A mean curvature flow step in one pass; then features take back what moved them.
 template <class Real>
 bool Flow<Real>::contract(const StepNumbers<Real>& numbers, double bound) {
   const bool in_bounds = move_by(bound, [&](Index first, Index last) {
@@ -336,11 +341,14 @@ bool Flow<Real>::contract(const StepNumbers<Real>& numbers, double bound) {
     next_[slot] = x_[slot];
     value_[slot] = 0;
   }
-  if (finds_groups(numbers)) {
-    groups_.find(packed_, strong_, options_.guards.min_component);
-    const std::span<const StrongEdge> noise = groups_.noise();
-    const auto largest = static_cast<double>(kernels_.restore_moved(
-        kernel_mesh(), numbers, noise.data(), noise.size(), value_.data(), next_.data()));
+  if (is_anisotropic(options_.method)) {
+    find_features();
+    double largest = 0.0;
+    for_feature_edges(packed_, strong_, features_, [&](std::span<const StrongEdge> edges) {
+      const auto coordinate = static_cast<double>(kernels_.weaken_moved(
+          kernel_mesh(), numbers, edges.data(), edges.size(), value_.data(), next_.data()));
+      if (!(coordinate <= largest)) largest = coordinate;
+    });
     if (!(largest * quantum_ <= bound)) return false;
   }
   x_.swap(next_);
@@ -374,32 +382,16 @@ PackedFlow::Outcome Flow<Real>::step(double lambda, double time_step, double bou
     return outcome;
   }
   compute_curvature(numbers);
-  if (finds_groups(numbers)) {
-    groups_.find(packed_, strong_, options_.guards.min_component);
-    kernels_.restore(kernel_mesh(), numbers, groups_.noise().data(), groups_.noise().size(),
-                     curvature_.data());
+  if (is_anisotropic(options_.method)) {
+    find_features();
+    for_feature_edges(packed_, strong_, features_, [&](std::span<const StrongEdge> edges) {
+      kernels_.weaken(kernel_mesh(), numbers, edges.data(), edges.size(), curvature_.data());
+    });
     if (numbers.prescribed) prescribe_features(numbers);
   }
   if (solves) return solve_step(numbers, bound);
   outcome.in_bounds = move(numbers, bound);
   return outcome;
-}
-
-/// Edges of groups too small for a feature carry no weight in a system.
-template <class Real>
-void Flow<Real>::clear_noise() {
-  const auto clear = [this](Index p, Index q) {
-    const Slice& slice = packed_.slices()[p / kLanes];
-    for (Index k = 0; k < slice.valence; ++k) {
-      const std::size_t at = std::size_t{slice.columns} + k;
-      if (packed_.ring()[kLanes * at + p % kLanes] != q) continue;
-      strong_[at] = static_cast<std::uint8_t>(strong_[at] & ~(1U << p % kLanes));
-    }
-  };
-  for (const StrongEdge& edge : groups_.noise()) {
-    clear(edge.p, edge.q);
-    clear(edge.q, edge.p);
-  }
 }
 
 /// H_A − f̃ V_A on the old surface, then the system.
@@ -419,7 +411,13 @@ PackedFlow::Outcome Flow<Real>::solve_step(const StepNumbers<Real>& numbers, dou
       velocity[slot] = {h.x - f * v.x, h.y - f * v.y, h.z - f * v.z, 0.0};
     }
     for (const Index slot : held_) velocity[slot] = {};
-    if (finds_groups(numbers)) clear_noise();
+    if (is_anisotropic(options_.method)) {
+      // Edges that are no features carry the weight 1 in the system too.
+      for (std::size_t s = 0; s < features_.size(); ++s) {
+        const Slice& slice = packed_.slices()[s];
+        for (Index k = 0; k < slice.valence; ++k) strong_[slice.columns + k] &= features_[s];
+      }
+    }
     if (!system_) system_.emplace(packed_, team_);
     Outcome outcome = system_->solve(x_, velocity, strong_, held_, numbers, options_);
     if (!outcome.solved) return outcome;
@@ -439,13 +437,11 @@ PackedFlow::Outcome Flow<Real>::solve_step(const StepNumbers<Real>& numbers, dou
 
 template <class Real>
 std::vector<unsigned char> Flow<Real>::features() const {
-  StrongGroups groups;
-  groups.find(packed_, strong_, options_.guards.min_component);
-  const std::vector<std::uint8_t> lanes = groups.features();
   std::vector<unsigned char> out(packed_.slot_of_vertex().size(), 0);
+  if (features_.empty()) return out;
   for (std::size_t v = 0; v < out.size(); ++v) {
     const Index slot = packed_.slot_of_vertex()[v];
-    out[v] = lanes[slot / kLanes] >> slot % kLanes & 1U;
+    out[v] = features_[slot / kLanes] >> slot % kLanes & 1U;
   }
   return out;
 }
@@ -456,7 +452,7 @@ std::size_t Flow<Real>::kernel_bytes() const {
          (curvature_.capacity() + direction_.capacity() + start_normals_.capacity()) *
              sizeof(Quad<Real>) +
          (value_.capacity() + other_value_.capacity()) * sizeof(Real) + strong_.capacity() +
-         features_.capacity() + touched_.capacity() + groups_.bytes();
+         features_.capacity() + groups_.bytes();
 }
 
 template <class Real>

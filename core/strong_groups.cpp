@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::int32_t kLarge = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t kAlone = -1;
-// Edges that are joined at a time.
-constexpr std::size_t kBlock = 2048;
+// Edges that are visited at a time.
+constexpr std::size_t kBlock = 1024;
 
 /// `count` ≤ 8 bytes as one number: bit 8 i + j is bit j of byte i.
 std::uint64_t bits_at(const std::uint8_t* bytes, std::size_t count) {
@@ -25,6 +25,23 @@ std::uint64_t bits_at(const std::uint8_t* bytes, std::size_t count) {
   } else {
     for (std::size_t i = 0; i < count; ++i) bits |= std::uint64_t{bytes[i]} << 8 * i;
     return bits;
+  }
+}
+
+/// Calls visit(edge) for every strong edge of a slice that starts at `first_slot`.
+template <class Visit>
+void for_strong_edges(const PackedMesh& mesh, std::span<const std::uint8_t> strong,
+                      const Slice& slice, Index first_slot, const Visit& visit) {
+  for (Index k = 0; k < slice.valence; k += 8) {
+    const std::size_t column = std::size_t{slice.columns} + k;
+    const Index* ring = mesh.ring().data() + kLanes * column;
+    const std::size_t columns = std::min<std::size_t>(8, slice.valence - k);
+    std::uint64_t edges = bits_at(strong.data() + column, columns);
+    if (edges != 0) edges &= bits_at(mesh.owned().data() + column, columns);
+    for (; edges != 0; edges &= edges - 1) {
+      const auto at = static_cast<Index>(std::countr_zero(edges));
+      visit(StrongEdge{first_slot + at % kLanes, ring[at], k + at / kLanes});
+    }
   }
 }
 
@@ -42,9 +59,10 @@ Index StrongGroups::root(Index slot) {
   return r;
 }
 
-void StrongGroups::join(const StrongEdge& edge) {
-  const Index a = root(edge.p);
-  const Index b = root(edge.q);
+void StrongGroups::join(Index p, Index q) {
+  if (parent_[p] == kLarge && parent_[q] == kLarge) return;
+  const Index a = root(p);
+  const Index b = root(q);
   std::int32_t& at_a = parent_[a];
   std::int32_t& at_b = parent_[b];
   if (at_a == kLarge || at_b == kLarge || (a != b && at_a + at_b <= least_)) {
@@ -57,66 +75,54 @@ void StrongGroups::join(const StrongEdge& edge) {
   }
 }
 
-/// Joins the first `count` edges of the block and keeps those whose groups are small so far.
-void StrongGroups::join_block(std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const StrongEdge& edge = block_[i];
-    if (parent_[edge.p] == kLarge && parent_[edge.q] == kLarge) continue;
-    join(edge);
-    if (parent_[edge.p] != kLarge) noise_.push_back(edge);
+/// The lanes of a slice that belong to large groups.
+std::uint8_t StrongGroups::large_lanes(Index slice) const {
+  const std::int32_t* parents = parent_.data() + kLanes * std::size_t{slice};
+  unsigned met = 0;
+  for (Index lane = 0; lane < kLanes; ++lane) {
+    met |= (parents[lane] != kAlone ? 1U : 0U) << lane;
   }
+  unsigned lanes = 0;
+  for (; met != 0; met &= met - 1) {
+    const auto lane = static_cast<Index>(std::countr_zero(met));
+    lanes |= (parent_[root(kLanes * slice + lane)] == kLarge ? 1U : 0U) << lane;
+  }
+  return static_cast<std::uint8_t>(lanes);
 }
 
 void StrongGroups::find(const PackedMesh& mesh, std::span<const std::uint8_t> strong,
-                        int min_component) {
+                        int min_component, std::vector<std::uint8_t>& features) {
   least_ = -std::max(min_component, 2);
   parent_.assign(mesh.slot_count(), kAlone);
-  noise_.clear();
-  block_.resize(std::max(block_.size(), kBlock + 64));
-  std::size_t count = 0;
   Index first_slot = 0;
   for (const Slice& slice : mesh.slices()) {
-    for (Index k = 0; k < slice.valence; k += 8) {
-      const std::size_t column = std::size_t{slice.columns} + k;
-      const Index* ring = mesh.ring().data() + kLanes * column;
-      const std::size_t columns = std::min<std::size_t>(8, slice.valence - k);
-      std::uint64_t edges = bits_at(strong.data() + column, columns);
-      if (edges != 0) edges &= bits_at(mesh.owned().data() + column, columns);
-      for (; edges != 0; edges &= edges - 1) {
-        const auto at = static_cast<Index>(std::countr_zero(edges));
-        block_[count++] = {first_slot + at % kLanes, ring[at], k + at / kLanes};
-      }
-      if (count < kBlock) continue;
-      join_block(count);
-      count = 0;
-    }
+    for_strong_edges(mesh, strong, slice, first_slot,
+                     [this](const StrongEdge& edge) { join(edge.p, edge.q); });
     first_slot += kLanes;
   }
-  join_block(count);
-  std::erase_if(noise_, [this](const StrongEdge& e) { return parent_[root(e.p)] == kLarge; });
-}
-
-std::vector<std::uint8_t> StrongGroups::features() const {
-  std::vector<std::uint8_t> out(parent_.size() / kLanes);
-  features(out);
-  return out;
-}
-
-void StrongGroups::features(std::vector<std::uint8_t>& out) const {
-  for (std::size_t slice = 0; slice < out.size(); ++slice) {
-    const std::int32_t* parents = parent_.data() + kLanes * slice;
-    unsigned met = 0;
-    for (Index lane = 0; lane < kLanes; ++lane) {
-      met |= (parents[lane] != kAlone ? 1U : 0U) << lane;
-    }
-    unsigned lanes = 0;
-    for (; met != 0; met &= met - 1) {
-      const auto lane = static_cast<Index>(std::countr_zero(met));
-      const Index r = root(static_cast<Index>(kLanes * slice) + lane);
-      lanes |= (parent_[r] == kLarge ? 1U : 0U) << lane;
-    }
-    out[slice] = static_cast<std::uint8_t>(lanes);
+  features.resize(mesh.slices().size());
+  for (std::size_t slice = 0; slice < features.size(); ++slice) {
+    features[slice] = large_lanes(static_cast<Index>(slice));
   }
+}
+
+void for_feature_edges(const PackedMesh& mesh, std::span<const std::uint8_t> strong,
+                       std::span<const std::uint8_t> features,
+                       const std::function<void(std::span<const StrongEdge>)>& visit) {
+  std::vector<StrongEdge> block;
+  block.reserve(kBlock + 64);
+  for (std::size_t s = 0; s < features.size(); ++s) {
+    if (features[s] == 0) continue;
+    for_strong_edges(mesh, strong, mesh.slices()[s], static_cast<Index>(kLanes * s),
+                     [&](const StrongEdge& edge) {
+                       // Both ends are in one group.
+                       if ((features[s] >> edge.p % kLanes & 1U) != 0) block.push_back(edge);
+                     });
+    if (block.size() < kBlock) continue;
+    visit(block);
+    block.clear();
+  }
+  if (!block.empty()) visit(block);
 }
 
 }  // namespace fairway

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -13,35 +14,29 @@ namespace fairway {
 /// Kept between steps for its memory.
 class StrongGroups {
  public:
-  /// `strong`: a bit per lane and column, with its padding. Groups with fewer than
-  /// `min_component` vertices are noise.
-  void find(const PackedMesh& mesh, std::span<const std::uint8_t> strong, int min_component);
-
-  /// Strong edges of small groups, by slot.
-  std::span<const StrongEdge> noise() const { return noise_; }
-
-  /// Feature vertices after find(): a bit per lane, one byte per slice.
-  std::vector<std::uint8_t> features() const;
-  void features(std::vector<std::uint8_t>& out) const;
+  /// `strong`: a bit per lane and column, with its padding. Groups with fewer than `min_component`
+  /// vertices are noise. Fills `features`: a bit per lane, one byte per slice.
+  void find(const PackedMesh& mesh, std::span<const std::uint8_t> strong, int min_component,
+            std::vector<std::uint8_t>& features);
 
   /// Memory, bytes.
-  std::size_t bytes() const {
-    return parent_.capacity() * sizeof(std::int32_t) +
-           (noise_.capacity() + block_.capacity()) * sizeof(StrongEdge);
-  }
+  std::size_t bytes() const { return parent_.capacity() * sizeof(std::int32_t); }
 
  private:
   Index root(Index slot);
   Index root(Index slot) const;
-  void join(const StrongEdge& edge);
-  void join_block(std::size_t count);
+  void join(Index p, Index q);
+  std::uint8_t large_lanes(Index slice) const;
 
   std::int32_t least_ = 0;  // − vertices of the smallest feature
   // By slot: the next slot towards the root of its group; at a root − its vertices, or kLarge where
   // it is large enough, and who else is in it does not matter: so trees stay small.
   std::vector<std::int32_t> parent_;
-  std::vector<StrongEdge> block_;
-  std::vector<StrongEdge> noise_;
 };
+
+/// Calls visit(edges) for blocks of the strong edges between feature vertices, in order of slots.
+void for_feature_edges(const PackedMesh& mesh, std::span<const std::uint8_t> strong,
+                       std::span<const std::uint8_t> features,
+                       const std::function<void(std::span<const StrongEdge>)>& visit);
 
 }  // namespace fairway
