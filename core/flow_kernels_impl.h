@@ -14,11 +14,20 @@ namespace {
 template <class Real, bool kPrescribed, bool kTorn>
 struct Sums {
   using V = Lanes<Real>;
-  Vectors<Real> curvature = {};    ///< Σ H_e N_e
-  Vectors<Real> area_vector = {};  ///< Σ twice area · N
-  V twice_area = {};
-  V cotangents = {};  ///< Σ (|cot| + |cot|) = 2 K_pp
-  Mask<Real> absent = {};
+  Vectors<Real> curvature;    ///< Σ H_e N_e
+  Vectors<Real> area_vector;  ///< Σ twice area · N
+  V twice_area;
+  V cotangents;  ///< Σ (|cot| + |cot|) = 2 K_pp
+  Mask<Real> absent;
+
+  /// Number by number: g++ 12 clears a whole object in memory.
+  FAIRWAY_INLINE Sums() {
+    const V zero = {};
+    curvature.x = curvature.y = curvature.z = zero;
+    area_vector.x = area_vector.y = area_vector.z = zero;
+    twice_area = cotangents = zero;
+    absent = (Mask<Real>)zero;
+  }
 
   FAIRWAY_INLINE void add_face(const Fan<Real>& fan, const Vectors<Real>& a, V aa,
                                const Vectors<Real>& b, V bb) {
@@ -85,6 +94,16 @@ FAIRWAY_INLINE Sums<Real, kPrescribed, kTorn> sum_ring(const KernelMesh<Real>& m
   return sums;
 }
 
+/// Rare, and so out of the way.
+template <class Real, bool kPrescribed, bool kOpen>
+__attribute__((noinline, cold)) void sum_torn_ring(const KernelMesh<Real>& mesh,
+                                                   const Threshold<Real>& threshold, Index slice,
+                                                   std::uint8_t* strong,
+                                                   Sums<Real, kPrescribed, true>& out) {
+  out = sum_ring<Real, kPrescribed, kOpen, true>(mesh, threshold, slice,
+                                                 own<Real>(mesh.positions, slice), strong);
+}
+
 /// Calls use(sums) for the ring sums of a slice; inlined on every way, so that they stay in
 /// registers.
 template <class Real, bool kPrescribed, bool kOpen, class Use>
@@ -95,7 +114,9 @@ FAIRWAY_INLINE void with_ring_sums(const KernelMesh<Real>& mesh, const Threshold
   if (bits_of(sums.absent) == 0) {
     use(sums);
   } else {
-    use(sum_ring<Real, kPrescribed, kOpen, true>(mesh, threshold, slice, p, strong));
+    Sums<Real, kPrescribed, true> torn;
+    sum_torn_ring<Real, kPrescribed, kOpen>(mesh, threshold, slice, strong, torn);
+    use(torn);
   }
 }
 template <class Real, bool kPrescribed, class Use>
