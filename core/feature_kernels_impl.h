@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "core/lanes_impl.h"
+#include "core/lane_memory_impl.h"
 
 namespace fairway::FAIRWAY_KERNELS_NAMESPACE {
 namespace {
@@ -35,8 +35,8 @@ struct Fan {
     const V squared = dot(twice_area_vector, twice_area_vector);
     const V length = square_root(squared);
     absent = squared <= least_squared;
-    inverse = absent ? zero : 1 / length;
-    twice_area = absent ? zero : length;
+    inverse = select(absent, zero, 1 / length);
+    twice_area = select(absent, zero, length);
     normal = twice_area_vector * inverse;
   }
 
@@ -44,7 +44,7 @@ struct Fan {
     const V zero = {};
     twice_area_vector = normal = {zero, zero, zero};
     twice_area = inverse = zero;
-    absent = Mask<Real>{} - 1;
+    absent = ~Mask<Real>{};
   }
 };
 
@@ -82,10 +82,10 @@ FAIRWAY_INLINE Lanes<Real> curvature_value(KernelMeasure measure, const Vectors<
     f = along / squared;
   } else {
     f = square_root(dot(h, h) / squared);
-    if (measure == KernelMeasure::mass) f = feature ? f : square_root(dot(h, h)) * per_mass;
-    f = along < zero ? -f : f;
+    if (measure == KernelMeasure::mass) f = select(feature, f, square_root(dot(h, h)) * per_mass);
+    f = select(along < zero, -f, f);
   }
-  return squared > zero ? f : zero;
+  return select(squared > zero, f, zero);
 }
 
 /// Up to eight strong edges: their ends and ½ (1 − w) H_e N_e in stored units.
@@ -126,7 +126,7 @@ void weaken(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers, cons
     const std::size_t some = std::min<std::size_t>(kLanes, count - first);
     const Weakened<Real> edge(mesh, threshold, edges + first, some);
     alignas(64) Quad<Real> excess[kLanes];
-    store_quads<Real>(excess, edge.excess * all(mesh.quantum), Lanes<Real>{});
+    store_quads(excess, edge.excess * all(mesh.quantum), Lanes<Real>{});
     for (std::size_t i = 0; i < some; ++i) {
       for (const Index slot : {edge.p[i], edge.q[i]}) {
         Quad<Real>& h = curvature[slot];
@@ -179,15 +179,14 @@ FAIRWAY_INLINE Vectors<Real> smoothed_curvature(const KernelMesh<Real>& mesh,
   const auto angle = [&](const Vectors<Real>& a, const Vectors<Real>& b) {
     const Vectors<Real> n = cross(a, b);
     const V squared = dot(n, n);
-    return squared > least ? angle_of<Real>(square_root(squared), dot(a, b)) : zero;
+    return select(squared > least, angle_of<Real>(square_root(squared), dot(a, b)), zero);
   };
   Vectors<Real> sum = {};
   V weights = {};
   const auto add = [&](Index k, V weight) {
     const Index* slots = column + kLanes * std::size_t{k};
     if (!numbers.all_neighbours) {
-      const Mask<Real> feature = ((Mask<Real>)gather_values(fields.value, slots) & 1) != 0;
-      weight = feature ? weight : zero;
+      weight = select(kind_of<Real>(gather_values(fields.value, slots)) != 0, weight, zero);
     }
     sum = sum + gather_quads(fields.curvature, slots).xyz * weight;
     weights += weight;
@@ -213,10 +212,7 @@ FAIRWAY_INLINE Vectors<Real> smoothed_curvature(const KernelMesh<Real>& mesh,
   const Vectors<Real> own_h = own_quads(fields.curvature, slice).xyz;
   const Mask<Real> any = weights > zero;
   const Vectors<Real> mean = sum * (1 / weights);
-  const auto half = [&](V own_part, V mean_part) {
-    return any ? (own_part + mean_part) / 2 : own_part;
-  };
-  return {half(own_h.x, mean.x), half(own_h.y, mean.y), half(own_h.z, mean.z)};
+  return select<Real>(any, (own_h + mean) * all(static_cast<Real>(0.5)), own_h);
 }
 
 template <class Real>
@@ -233,13 +229,8 @@ void direct(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
     const Quads<Real> volume = own_quads(fields.direction, slice);
     const V size = square_root(dot(smoothed, smoothed));
     const Mask<Real> takes = mask_of<Real>(features[slice]) & (size >= kNoDirection);
-    const V inverse = 1 / (dot(smoothed, volume.xyz) < 0 ? -size : size);
-    const auto choose = [&](V unit, V old) { return takes ? unit : old; };
-    store_quads<Real>(
-        out,
-        {choose(smoothed.x * inverse, volume.xyz.x), choose(smoothed.y * inverse, volume.xyz.y),
-         choose(smoothed.z * inverse, volume.xyz.z)},
-        volume.w);
+    const V inverse = 1 / select(dot(smoothed, volume.xyz) < 0, -size, size);
+    store_quads(out, select<Real>(takes, smoothed * inverse, volume.xyz), volume.w);
   }
 }
 
@@ -249,12 +240,12 @@ void revalue(const StepNumbers<Real>& numbers, const KernelFields<Real>& fields,
   for (Index slice = first; slice < last; ++slice) {
     if (features[slice] == 0) continue;
     Real* value = fields.value + kLanes * std::size_t{slice};
-    const Mask<Real> kind = (Mask<Real>)load(value) & 1;
+    const Mask<Real> kind = kind_of<Real>(load(value));
     const Quads<Real> direction = own_quads(fields.direction, slice);
     const Lanes<Real> f =
-        clear_lowest_bit(curvature_value(numbers.measure, own_quads(fields.curvature, slice).xyz,
-                                         direction.xyz, direction.w, Mask<Real>(kind != 0)));
-    store<Real>(value, (Lanes<Real>)((Mask<Real>)f | kind));
+        curvature_value<Real>(numbers.measure, own_quads(fields.curvature, slice).xyz,
+                              direction.xyz, direction.w, kind != 0);
+    store(value, with_kind<Real>(f, kind));
   }
 }
 

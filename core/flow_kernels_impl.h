@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/feature_kernels_impl.h"
-#include "core/lanes_impl.h"
+#include "core/lane_memory_impl.h"
 
 namespace fairway::FAIRWAY_KERNELS_NAMESPACE {
 namespace {
@@ -26,7 +26,7 @@ struct Sums {
     curvature.x = curvature.y = curvature.z = zero;
     area_vector.x = area_vector.y = area_vector.z = zero;
     twice_area = cotangents = zero;
-    absent = (Mask<Real>)zero;
+    absent = bits_as_mask(zero);
   }
 
   FAIRWAY_INLINE void add_face(const Fan<Real>& fan, const Vectors<Real>& a, V aa,
@@ -45,7 +45,7 @@ struct Sums {
     if constexpr (kTorn) {
       const V zero = {};
       const Mask<Real> torn = left.absent | right.absent;
-      term = {torn ? zero : term.x, torn ? zero : term.y, torn ? zero : term.z};
+      term = select<Real>(torn, {zero, zero, zero}, term);
     }
     curvature = curvature + term;
     return static_cast<std::uint8_t>(bits_of(dot(term, term) > lambda_squared));
@@ -140,9 +140,9 @@ FAIRWAY_INLINE Lanes<Real> step_factor(const RingSums& sums, const StepNumbers<R
   Lanes<Real> step = 6 * numbers.time_step / (sums.twice_area * (quantum * quantum));
   if (numbers.local_step) {
     const Lanes<Real> stable = 1 / sums.cotangents;
-    step = step < stable ? step : stable;
+    step = select(step < stable, step, stable);
   }
-  return sums.twice_area > zero ? step : zero;
+  return select(sums.twice_area > zero, step, zero);
 }
 
 template <class Real, bool kPrescribed>
@@ -156,14 +156,14 @@ void curvature(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
     const std::size_t slot = kLanes * std::size_t{slice};
     const auto use = [&](const auto& sums) FAIRWAY_LAMBDA {
       const Vectors<Real> h = sums.curvature * all(quantum / 2);
-      store_quads<Real>(fields.curvature + slot, h, step_factor(sums, numbers, quantum));
+      store_quads(fields.curvature + slot, h, step_factor(sums, numbers, quantum));
       if constexpr (kPrescribed) {
         const Vectors<Real> volume = sums.area_vector * all(quantum * quantum / 6);
         const V per_mass =
-            sums.twice_area > zero ? 6 / (sums.twice_area * (quantum * quantum)) : zero;
-        store_quads<Real>(fields.direction + slot, volume, per_mass);
-        const V f = curvature_value(numbers.measure, h, volume, per_mass, Mask<Real>{});
-        store<Real>(fields.value + slot, clear_lowest_bit(f));
+            select(sums.twice_area > zero, 6 / (sums.twice_area * (quantum * quantum)), zero);
+        store_quads(fields.direction + slot, volume, per_mass);
+        const V f = curvature_value<Real>(numbers.measure, h, volume, per_mass, Mask<Real>{});
+        store(fields.value + slot, with_kind<Real>(f, Mask<Real>{}));
       }
     };
     with_ring_sums<Real, kPrescribed>(mesh, threshold, slice, own<Real>(mesh.positions, slice),
@@ -191,7 +191,7 @@ Real contract(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
     const std::size_t slot = kLanes * std::size_t{slice};
     const auto use = [&](const auto& sums) FAIRWAY_LAMBDA {
       const Lanes<Real> factor = step_factor(sums, numbers, mesh.quantum);
-      store<Real>(fields.value + slot, factor);
+      store(fields.value + slot, factor);
       store_moved(out + slot, p, sums.curvature * (factor / 2), largest);
     };
     with_ring_sums<Real, false>(mesh, threshold, slice, p, fields.strong, use);
@@ -234,7 +234,7 @@ void bends(const KernelMesh<Real>& mesh, Index first, Index last, Real* out) {
     for_ring_edges(mesh, slice, [&](Index k, const Fan<Real>& left, const Fan<Real>& right) {
       const Vectors<Real> difference = left.normal - right.normal;
       const Mask<Real> torn = left.absent | right.absent;
-      store<Real>(out + kLanes * std::size_t{k}, torn ? zero - 1 : dot(difference, difference));
+      store(out + kLanes * std::size_t{k}, select(torn, zero - 1, dot(difference, difference)));
     });
     out += kLanes * std::size_t{mesh.slices[slice].valence};
   }
@@ -250,8 +250,8 @@ void normals(const KernelMesh<Real>& mesh, Index first, Index last, Quad<Real>* 
                      sum = sum + left.twice_area_vector * all(mesh.quantum * mesh.quantum);
                    });
     const Lanes<Real> squared = dot(sum, sum);
-    const Lanes<Real> inverse = squared > zero ? 1 / square_root(squared) : zero;
-    store_quads<Real>(out, sum * inverse, zero);
+    const Lanes<Real> inverse = select(squared > zero, 1 / square_root(squared), zero);
+    store_quads(out, sum * inverse, zero);
   }
 }
 
@@ -264,22 +264,22 @@ FAIRWAY_INLINE Lanes<Real> averaged(const KernelMesh<Real>& mesh, const MoveNumb
   const Slice& s = mesh.slices[slice];
   const Index* column = mesh.ring + kLanes * std::size_t{s.columns};
   const V f = load(value + kLanes * std::size_t{slice});
-  const Mask<Real> kind = (Mask<Real>)f & 1;
+  const Mask<Real> kind = kind_of<Real>(f);
   V sum = zero;
   V count = zero;
   for (Index k = 0; k < s.valence; ++k) {
     V q = gather_values(value, column + kLanes * std::size_t{k});
-    const Mask<Real> same = ((Mask<Real>)q & 1) == kind;
+    const Mask<Real> same = kind_of<Real>(q) == kind;
     Mask<Real> counts = same;
     if (!numbers.own_kind) {
       counts = counts | (kind == 0);
-      q = same ? q : q * numbers.mean_edge_squared;
+      q = select(same, q, q * numbers.mean_edge_squared);
     }
-    sum += counts ? q : zero;
-    count += counts ? zero + 1 : zero;
+    sum += select(counts, q, zero);
+    count += select(counts, zero + 1, zero);
   }
   const V mean = (1 - numbers.fraction) * f + numbers.fraction * sum / count;
-  return count > zero ? mean : f;
+  return select(count > zero, mean, f);
 }
 
 template <class Real>
@@ -287,9 +287,8 @@ void average(const KernelMesh<Real>& mesh, const MoveNumbers<Real>& numbers, con
              Index first, Index last, Real* out) {
   for (Index slice = first; slice < last; ++slice) {
     const std::size_t slot = kLanes * std::size_t{slice};
-    const Mask<Real> kind = (Mask<Real>)load(value + slot) & 1;
-    const Lanes<Real> mean = clear_lowest_bit(averaged(mesh, numbers, value, slice));
-    store<Real>(out + slot, (Lanes<Real>)((Mask<Real>)mean | kind));
+    const Mask<Real> kind = kind_of<Real>(load(value + slot));
+    store(out + slot, with_kind<Real>(averaged(mesh, numbers, value, slice), kind));
   }
 }
 
