@@ -10,7 +10,7 @@
 #include <optional>
 #include <type_traits>
 
-#include "core/edge_geometry.h"
+#include "core/fixed_point.h"
 #include "core/median.h"
 #include "core/packed_mesh.h"
 #include "core/strong_groups.h"
@@ -30,14 +30,14 @@ constexpr std::size_t kDoubleVertices = 20'000;
 constexpr double kFolded = 3.0;
 constexpr double kMedianOfNormal = 0.6745;
 
+/// Everything but a lumped explicit step solves a linear system.
+bool solves_system(const FlowOptions& options) {
+  return options.integration == Integration::semi_implicit || options.mass == Mass::full;
+}
+
 template <class Real>
 using Stored = Quad<typename StoredCoordinate<Real>::Type>;
 
-/// Fixed point in single precision: one unit, in L, for coordinates up to `largest`.
-double quantum_for(double largest) {
-  // Twice the room that is needed now; a step that needs more makes units larger.
-  return std::exp2(std::ceil(std::log2(std::max(largest, 1.0))) + 1.0 - 31.0);
-}
 constexpr double kLargestStored = 2.1e9;
 
 template <class Real>
@@ -123,7 +123,7 @@ Flow<Real>::Flow(const TriangleMesh& mesh, std::span<const Vec3> positions, doub
   if constexpr (std::is_same_v<Real, float>) {
     double largest = 0.0;
     for (const Vec3& p : positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-    quantum_ = quantum_for(largest / mean_edge);
+    quantum_ = fixed_point_unit(largest / mean_edge);
   }
   const std::size_t slots = packed_.slot_count();
   x_.resize(slots, {});
@@ -373,8 +373,7 @@ bool Flow<Real>::move(const StepNumbers<Real>& numbers, double bound) {
 template <class Real>
 PackedFlow::Outcome Flow<Real>::step(double lambda, double time_step, double bound) {
   const StepNumbers<Real> numbers = step_numbers(lambda, time_step);
-  const bool solves =
-      options_.integration == Integration::semi_implicit || options_.mass == Mass::full;
+  const bool solves = solves_system(options_);
   Outcome outcome;
   outcome.time_step = time_step;
   if (!solves && !numbers.prescribed) {
@@ -477,11 +476,13 @@ std::unique_ptr<PackedFlow> PackedFlow::create(const TriangleMesh& mesh,
                                                const FlowOptions& options,
                                                const Execution& execution) {
   using enum Execution::Precision;
-  // The isotropic flow can amplify a rounding error a thousand times in ten steps.
-  const bool sensitive =
-      mesh.vertex_count() <= kDoubleVertices || options.method == Method::mean_curvature;
-  const bool in_double =
-      execution.precision == double_precision || (execution.precision == automatic && sensitive);
+  // Linear systems need it, and the isotropic flow amplifies a rounding error a thousand times in
+  // ten steps.
+  const bool sensitive = solves_system(options) || options.method == Method::mean_curvature ||
+                         mesh.vertex_count() <= kDoubleVertices ||
+                         !fixed_point_serves(mesh, positions, mean_edge);
+  const bool in_double = execution.precision == double_precision || solves_system(options) ||
+                         (execution.precision == automatic && sensitive);
   if (in_double)
     return std::make_unique<Flow<double>>(mesh, positions, mean_edge, held, options, execution);
   return std::make_unique<Flow<float>>(mesh, positions, mean_edge, held, options, execution);

@@ -167,7 +167,8 @@ Result<TriangleMesh> TriangleMesh::build(const IndexedMesh& source) {
     return Error{ErrorCode::no_triangles, "The mesh has no triangles; send a triangle mesh."};
   }
   for (const Vec3& p : source.positions) {
-    if (!(p.cwiseAbs().maxCoeff() <= kLargestCoordinate)) {
+    // Coordinate by coordinate: a maximum may lose a NaN.
+    if (!(p.array().abs() <= kLargestCoordinate).all()) {
       return Error{ErrorCode::invalid_mesh,
                    "A coordinate is not a number or beyond 1e18; scale the mesh down."};
     }
@@ -211,7 +212,8 @@ std::vector<Vec3> TriangleMesh::scatter_positions(const IndexedMesh& source,
     for (; v < vertex_count() && place_of_vertex_[v] == place_of_source_[s]; ++v) {
       displacement += moved[v] - positions_[v];
     }
-    out[s] += displacement / static_cast<double>(v - first);
+    // Adding zero would turn −0 into 0.
+    if (!displacement.isZero(0.0)) out[s] += displacement / static_cast<double>(v - first);
   }
   return out;
 }

@@ -3,6 +3,7 @@
 #include "core/triangle_mesh.h"
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <limits>
 
 #include <catch2/catch.hpp>
@@ -193,6 +194,27 @@ TEST_CASE("meshes without usable triangles are refused with a remedy") {
   CHECK(code(huge) == ErrorCode::invalid_mesh);
   huge.positions[0].x() = std::numeric_limits<double>::quiet_NaN();
   CHECK(code(huge) == ErrorCode::invalid_mesh);
+}
+
+TEST_CASE("a coordinate that is not a number is refused by name, whichever it is") {
+  for (int c = 0; c < 3; ++c) {
+    for (const double bad : {std::nan(""), HUGE_VAL, -2e18}) {
+      IndexedMesh mesh = sphere(1, 1.0);
+      mesh.positions[3][c] = bad;
+      const Result<TriangleMesh> built = TriangleMesh::build(mesh);
+      REQUIRE_FALSE(built);
+      CHECK(built.error().message.find("not a number") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("a vertex that does not move keeps even the sign of its zeros") {
+  IndexedMesh source = sphere(1, 1.0);
+  source.positions[0] = Vec3(-0.0, 1.0, -0.0);
+  const TriangleMesh mesh = *TriangleMesh::build(source);
+  const std::vector<Vec3> out = mesh.scatter_positions(source, mesh.positions());
+  CHECK(std::signbit(out[0].x()));
+  CHECK(std::signbit(out[0].z()));
 }
 
 }  // namespace fairway::test
