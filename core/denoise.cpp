@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/edge_geometry.h"
+#include "core/features.h"
 #include "core/guards.h"
 #include "core/packed_flow.h"
 #include "core/surface_geometry.h"
@@ -33,6 +34,14 @@ constexpr double kNoNoise = 0.001;
 constexpr double kSmooth = 0.25;
 constexpr double kDivergedBoxes = 10.0;
 
+/// 1 per surface vertex that does not move.
+std::vector<unsigned char> held_vertices(const TriangleMesh& mesh, const FlowOptions& options) {
+  std::vector<unsigned char> held = gather_flags(mesh, options.fixed_vertices);
+  if (options.boundary == Boundary::free) return held;
+  for (std::size_t v = 0; v < held.size(); ++v) held[v] |= mesh.boundary_vertex()[v];
+  return held;
+}
+
 /// One run of a flow on one surface.
 class FlowRun {
  public:
@@ -40,9 +49,8 @@ class FlowRun {
       : mesh_(mesh),
         options_(options),
         execution_(execution),
-        held_(options.boundary == Boundary::fixed
-                  ? mesh.boundary_vertex()
-                  : std::vector<unsigned char>(mesh.vertex_count())),
+        held_(held_vertices(mesh, options)),
+        moving_(static_cast<std::size_t>(std::count(held_.begin(), held_.end(), 0))),
         x_(mesh.positions()) {}
 
   Result<Denoised> run(const FlowObserver& observer, const std::stop_token& stop);
@@ -51,16 +59,20 @@ class FlowRun {
   void begin();
   void load();
   void unfold_if_folded();
+  int choose_most_steps();
   bool is_clean();
   bool noise_is_removed() const;
   Result<FlowStep> step(int number);
   double choose_feature_angle() const;
+  void choose_feature_size();
+  std::vector<unsigned char> find_features();
   FlowReport finish();
 
   const TriangleMesh& mesh_;
   const FlowOptions& options_;
   const Execution& execution_;
   const std::vector<unsigned char> held_;
+  const std::size_t moving_;
   std::vector<Vec3> x_;
   std::unique_ptr<PackedFlow> flow_;
   PackedFlow::Bends bends_;  // of the start
@@ -85,8 +97,7 @@ void FlowRun::unfold_if_folded() {
 
 void FlowRun::begin() {
   load();
-  most_steps_ = options_.method == Method::none ? 0 : options_.steps.value_or(kAutomaticMostSteps);
-  if (most_steps_ > 0 && !options_.steps && is_clean()) most_steps_ = 0;
+  most_steps_ = choose_most_steps();
   if (most_steps_ > 0) unfold_if_folded();
   Eigen::AlignedBox3d box;
   for (const Vec3& p : mesh_.positions()) box.extend(p);
@@ -95,10 +106,23 @@ void FlowRun::begin() {
   report_.mean_edge_length = mean_edge_;
   report_.noise = noise_estimate(bends_.robust);
   report_.step_size = options_.step_size.value_or(kAutomaticStepSize);
-  if (!is_anisotropic(options_.method) && (options_.lambda || options_.feature_angle)) {
+  const bool features_at_rest = options_.find_features && most_steps_ == 0;
+  if (!is_anisotropic(options_.method) && !features_at_rest &&
+      (options_.lambda || options_.feature_angle)) {
     report_.notes.emplace_back(
         "This method detects no features: lambda and feature_angle are not used.");
   }
+}
+
+int FlowRun::choose_most_steps() {
+  const int wanted =
+      options_.method == Method::none ? 0 : options_.steps.value_or(kAutomaticMostSteps);
+  if (wanted == 0) return 0;
+  if (moving_ == 0) {
+    report_.notes.emplace_back("Every vertex is fixed, so the surface stays as it is.");
+    return 0;
+  }
+  return !options_.steps && is_clean() ? 0 : wanted;
 }
 
 /// An automatic run leaves a surface without noise as it is: smooth curvature is not noise.
@@ -125,13 +149,21 @@ double FlowRun::choose_feature_angle() const {
   return std::clamp(kFeatureDeviations * bend, kSmallestFeatureAngle, kLargestFeatureAngle);
 }
 
+/// Feature angle and λ of now, into the report.
+void FlowRun::choose_feature_size() {
+  report_.feature_angle = choose_feature_angle();
+  report_.lambda =
+      options_.lambda.value_or(lambda_of_feature_angle(report_.feature_angle, mean_edge_));
+}
+
 Result<FlowStep> FlowRun::step(int number) {
   FlowStep step;
   step.step = number;
   step.of = most_steps_;
   if (is_anisotropic(options_.method)) {
-    step.feature_angle = choose_feature_angle();
-    step.lambda = options_.lambda.value_or(lambda_of_feature_angle(step.feature_angle, mean_edge_));
+    choose_feature_size();
+    step.feature_angle = report_.feature_angle;
+    step.lambda = report_.lambda;
   }
   const PackedFlow::Outcome outcome =
       flow_->step(step.lambda / mean_edge_, report_.step_size, bound_);
@@ -142,7 +174,9 @@ Result<FlowStep> FlowRun::step(int number) {
   }
   if (!outcome.in_bounds) {
     return Error{ErrorCode::diverged,
-                 "The flow left all bounds at step " + std::to_string(number) +
+                 "The flow diverged at step " + std::to_string(number) +
+                     (outcome.finite ? ": a vertex went beyond ten bounding boxes"
+                                     : ": a position is not a finite number") +
                      "; use a smaller step_size or leave guards.local_step on."};
   }
   step.step_size = outcome.time_step;
@@ -150,6 +184,18 @@ Result<FlowStep> FlowRun::step(int number) {
   step.solver_residual = outcome.solver_residual;
   step.displacement = flow_->displacement();
   return step;
+}
+
+/// Features of the last step, or of the surface as it is where there was none.
+std::vector<unsigned char> FlowRun::find_features() {
+  if (!options_.find_features) return {};
+  if (report_.steps.empty()) {
+    choose_feature_size();
+    return feature_vertices(mesh_, x_, {report_.lambda, options_.guards.min_component});
+  }
+  if (is_anisotropic(options_.method)) return flow_->features();
+  report_.notes.emplace_back("This method takes no vertex for a feature.");
+  return std::vector<unsigned char>(mesh_.vertex_count());
 }
 
 FlowReport FlowRun::finish() {
@@ -191,9 +237,10 @@ Result<Denoised> FlowRun::run(const FlowObserver& observer, const std::stop_toke
     report_.steps.push_back(*done);
     if (observer) observer(*done);
   }
+  std::vector<unsigned char> features = find_features();
   if (!report_.steps.empty()) x_ = flow_->positions(x_);
   FlowReport report = finish();
-  return Denoised{std::move(x_), std::move(report)};
+  return Denoised{std::move(x_), std::move(features), std::move(report)};
 }
 
 }  // namespace
@@ -201,6 +248,13 @@ Result<Denoised> FlowRun::run(const FlowObserver& observer, const std::stop_toke
 Result<Denoised> denoise(const TriangleMesh& surface, const FlowOptions& options,
                          const FlowObserver& observer, std::stop_token stop,
                          const Execution& execution) {
+  const std::size_t sources = surface.vertex_of_source().size();
+  for (const Index v : options.fixed_vertices) {
+    if (v < sources) continue;
+    return Error{ErrorCode::invalid_parameters, "Fixed vertex " + std::to_string(v) +
+                                                    " is not among the " + std::to_string(sources) +
+                                                    " of the source; count from 0."};
+  }
   return FlowRun(surface, options, execution).run(observer, stop);
 }
 

@@ -16,11 +16,12 @@ namespace fairway {
 
 /// One step as it was done.
 struct FlowStep {
-  int step = 0;                  ///< 1-based
-  int of = 0;                    ///< the most steps there can be
-  double feature_angle = 0.0;    ///< degrees; 0 for isotropic flows
-  double lambda = 0.0;           ///< length; 0 for isotropic flows
-  double displacement = 0.0;     ///< rms displacement along the start normals so far, in mean edges
+  int step = 0;                ///< 1-based
+  int of = 0;                  ///< the most steps there can be
+  double feature_angle = 0.0;  ///< degrees; 0 for isotropic flows
+  double lambda = 0.0;         ///< length; 0 for isotropic flows
+  /// rms displacement so far of the vertices that may move, along the start normals, in mean edges
+  double displacement = 0.0;
   double step_size = 0.0;        ///< τ as done
   int solver_iterations = 0;     ///< of the linear system, where there is one
   double solver_residual = 0.0;  ///< its true relative residual
@@ -31,6 +32,9 @@ struct FlowReport {
   double mean_edge_length = 0.0;  ///< L, length, after unfolding
   double noise = 0.0;             ///< σ̂ / L at the start, after unfolding
   double step_size = 0.0;         ///< τ as used
+  /// Of the last step or, where none was done, of the features that were asked for; else 0.
+  double feature_angle = 0.0;  ///< degrees
+  double lambda = 0.0;         ///< length
   int unfold_rounds = 0;
   int halved_steps = 0;  ///< steps made smaller because their system was not solved
   std::vector<FlowStep> steps;
@@ -47,6 +51,9 @@ struct FlowReport {
 /// Positions per surface vertex, relative to the surface's origin, and the report.
 struct Denoised {
   std::vector<Vec3> positions;
+  /// If asked for, 1 per surface vertex that the last step took for a feature, eq. (11); all 0 for
+  /// isotropic flows. Without any step: the features of the surface as it is.
+  std::vector<unsigned char> features;
   FlowReport report;
 };
 
@@ -55,8 +62,9 @@ using FlowObserver = std::function<void(const FlowStep&)>;
 
 /// Runs the flow of `options` on a surface. `steps` = 0 or method `none` return the input
 /// positions unchanged, and so does an automatic number of steps on a surface without noise.
-/// Deterministic. Errors: diverged (a position not finite or outside ten
-/// bounding boxes, with the step), canceled (stop requested; looked at between steps).
+/// Deterministic. Errors: diverged (a position not finite or outside ten bounding boxes, with the
+/// step and which of the two; a linear system without solution), canceled (stop requested; looked
+/// at between steps), invalid_parameters (a fixed vertex that is not in the source).
 Result<Denoised> denoise(const TriangleMesh& surface, const FlowOptions& options,
                          const FlowObserver& observer = {}, std::stop_token stop = {},
                          const Execution& execution = {});

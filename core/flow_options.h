@@ -1,6 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
+
+#include "core/index.h"
 
 namespace fairway {
 
@@ -56,8 +59,11 @@ struct FlowOptions {
   double transition = 10.0;             ///< r of the weight w_{λ,r}
   CurvatureSmoothing curvature_smoothing;
   Boundary boundary = Boundary::free;
+  /// Source vertices that do not move, and with each all that lie at its place; any order.
+  std::vector<Index> fixed_vertices;
   Conventions conventions = Conventions::recommended;
   Guards guards;
+  bool find_features = false;  ///< fill Denoised::features
 };
 
 /// True for the methods that detect features, and so use λ.

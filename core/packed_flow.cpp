@@ -70,10 +70,10 @@ class Flow final : public PackedFlow {
   void prescribe_features(const StepNumbers<Real>& numbers);
   void average_values(const MoveNumbers<Real>& numbers, int passes);
   template <class Kernel>
-  bool move_by(double bound, const Kernel& kernel);
-  bool contract(const StepNumbers<Real>& numbers, double bound);
-  bool move(const StepNumbers<Real>& numbers, double bound);
-  Outcome solve_step(const StepNumbers<Real>& numbers, double bound);
+  double move_by(double bound, const Kernel& kernel);
+  double contract(const StepNumbers<Real>& numbers, double bound);
+  double move(const StepNumbers<Real>& numbers, double bound);
+  Outcome solve_step(const StepNumbers<Real>& numbers, double& largest);
   void coarsen();
   /// Calls body(first slice, last slice) for all slices, by ranges.
   template <class Body>
@@ -103,6 +103,7 @@ class Flow final : public PackedFlow {
   std::vector<Stored<Real>> x_, next_, start_;
   std::vector<Quad<Real>> curvature_, direction_;  // where the method needs them
   std::vector<Quad<Real>> start_normals_;          // of the sampled slices
+  std::size_t sampled_ = 0;                        // vertices there that may move
   std::vector<Real> value_, other_value_;
   std::vector<std::uint8_t> strong_;    // by column, and padding
   std::vector<std::uint8_t> features_;  // by slice
@@ -222,27 +223,28 @@ template <class Real>
 void Flow<Real>::mark_start() {
   start_ = x_;
   start_normals_.clear();
+  sampled_ = 0;
   for_sample([&](Index first, Index last) {
     const std::size_t before = start_normals_.size();
     start_normals_.resize(before + kLanes * std::size_t{last - first});
     kernels_.normals(kernel_mesh(), first, last, start_normals_.data() + before);
+    for (Index slot = kLanes * first; slot < kLanes * last; ++slot) {
+      const bool may_move = packed_.vertex_of_slot()[slot] != kNoIndex &&
+                            !std::binary_search(held_.begin(), held_.end(), slot);
+      sampled_ += may_move ? 1 : 0;
+    }
   });
 }
 
 template <class Real>
 double Flow<Real>::displacement() {
   double sum = 0.0;
-  std::size_t vertices = 0;
   const Quad<Real>* normals = start_normals_.data();
   for_sample([&](Index first, Index last) {
     sum += kernels_.displacement(kernel_mesh(), start_.data(), normals, first, last);
     normals += kLanes * std::size_t{last - first};
-    for (std::size_t slot = kLanes * std::size_t{first}; slot < kLanes * std::size_t{last};
-         ++slot) {
-      vertices += packed_.vertex_of_slot()[slot] != kNoIndex ? 1 : 0;
-    }
   });
-  return std::sqrt(sum / static_cast<double>(vertices));
+  return sampled_ > 0 ? std::sqrt(sum / static_cast<double>(sampled_)) : 0.0;
 }
 
 template <class Real>
@@ -312,92 +314,98 @@ void Flow<Real>::coarsen() {
   }
 }
 
+/// The larger, and NaN if either is.
+double larger(double a, double b) {
+  return a >= b || std::isnan(a) ? a : b;
+}
+
 /// Moves all slots by kernel(first, last), which fills next_ and answers the largest coordinate.
-/// False, and nothing has moved, where that is out of bounds.
+/// Returns that of all in L; NaN or infinity if one is not finite.
 template <class Real>
 template <class Kernel>
-bool Flow<Real>::move_by(double bound, const Kernel& kernel) {
+double Flow<Real>::move_by(double bound, const Kernel& kernel) {
   std::vector<Real> parts((packed_.slices().size() + kGrain - 1) / kGrain);
   for (;;) {
     for_slices([&](Index first, Index last) { parts[first / kGrain] = kernel(first, last); });
     double largest = 0.0;
-    for (const Real part : parts) {
-      if (!(static_cast<double>(part) * quantum_ <= bound)) return false;
-      largest = std::max(largest, static_cast<double>(part));
-    }
-    if (std::is_same_v<Real, double> || largest <= kLargestStored) return true;
+    for (const Real part : parts) largest = larger(static_cast<double>(part), largest);
+    const bool fits = std::is_same_v<Real, double> || largest <= kLargestStored;
+    if (fits || !(largest * quantum_ <= bound)) return largest * quantum_;
     coarsen();
   }
 }
 
-/// A mean curvature flow step in one pass; then features take back what moved them.
+/// A mean curvature flow step in one pass; then features take back what moved them. Returns like
+/// move_by().
 template <class Real>
-bool Flow<Real>::contract(const StepNumbers<Real>& numbers, double bound) {
-  const bool in_bounds = move_by(bound, [&](Index first, Index last) {
+double Flow<Real>::contract(const StepNumbers<Real>& numbers, double bound) {
+  double largest = move_by(bound, [&](Index first, Index last) {
     return kernels_.contract(kernel_mesh(), numbers, fields(), first, last, next_.data());
   });
-  if (!in_bounds) return false;
   for (const Index slot : held_) {
     next_[slot] = x_[slot];
     value_[slot] = 0;
   }
-  if (is_anisotropic(options_.method)) {
+  if (is_anisotropic(options_.method) && largest <= bound) {
     find_features();
-    double largest = 0.0;
     for_feature_edges(packed_, strong_, features_, [&](std::span<const StrongEdge> edges) {
-      const auto coordinate = static_cast<double>(kernels_.weaken_moved(
-          kernel_mesh(), numbers, edges.data(), edges.size(), value_.data(), next_.data()));
-      if (!(coordinate <= largest)) largest = coordinate;
+      const Real coordinate = kernels_.weaken_moved(kernel_mesh(), numbers, edges.data(),
+                                                    edges.size(), value_.data(), next_.data());
+      largest = larger(static_cast<double>(coordinate) * quantum_, largest);
     });
-    if (!(largest * quantum_ <= bound)) return false;
   }
-  x_.swap(next_);
-  return true;
+  return largest;
 }
 
-/// A prescribed mean curvature flow step from the fields.
+/// A prescribed mean curvature flow step from the fields. Returns like move_by().
 template <class Real>
-bool Flow<Real>::move(const StepNumbers<Real>& numbers, double bound) {
+double Flow<Real>::move(const StepNumbers<Real>& numbers, double bound) {
   MoveNumbers<Real> how = move_numbers();
   const int passes = options_.curvature_smoothing.passes;
   average_values(how, passes - 1);
   if (passes == 0) how.fraction = 0;
   how.prescribed = numbers.prescribed;
-  const bool in_bounds = move_by(bound, [&](Index first, Index last) {
+  return move_by(bound, [&](Index first, Index last) {
     return kernels_.move(kernel_mesh(), how, fields(), first, last, next_.data());
   });
-  if (in_bounds) x_.swap(next_);
-  return in_bounds;
 }
 
 template <class Real>
 PackedFlow::Outcome Flow<Real>::step(double lambda, double time_step, double bound) {
   const StepNumbers<Real> numbers = step_numbers(lambda, time_step);
-  const bool solves = solves_system(options_);
   Outcome outcome;
   outcome.time_step = time_step;
-  if (!solves && !numbers.prescribed) {
-    outcome.in_bounds = contract(numbers, bound);
-    return outcome;
+  double largest = 0.0;
+  if (!solves_system(options_) && !numbers.prescribed) {
+    largest = contract(numbers, bound);
+  } else {
+    compute_curvature(numbers);
+    if (is_anisotropic(options_.method)) {
+      find_features();
+      for_feature_edges(packed_, strong_, features_, [&](std::span<const StrongEdge> edges) {
+        kernels_.weaken(kernel_mesh(), numbers, edges.data(), edges.size(), curvature_.data());
+      });
+      if (numbers.prescribed) prescribe_features(numbers);
+    }
+    if (solves_system(options_)) {
+      outcome = solve_step(numbers, largest);
+    } else {
+      largest = move(numbers, bound);
+    }
   }
-  compute_curvature(numbers);
-  if (is_anisotropic(options_.method)) {
-    find_features();
-    for_feature_edges(packed_, strong_, features_, [&](std::span<const StrongEdge> edges) {
-      kernels_.weaken(kernel_mesh(), numbers, edges.data(), edges.size(), curvature_.data());
-    });
-    if (numbers.prescribed) prescribe_features(numbers);
-  }
-  if (solves) return solve_step(numbers, bound);
-  outcome.in_bounds = move(numbers, bound);
+  outcome.in_bounds = largest <= bound;
+  outcome.finite = std::isfinite(largest);
+  if (outcome.in_bounds && outcome.solved) x_.swap(next_);
   return outcome;
 }
 
-/// H_A − f̃ V_A on the old surface, then the system.
+/// H_A − f̃ V_A on the old surface, then the system. `largest` like that of move_by().
 template <class Real>
-PackedFlow::Outcome Flow<Real>::solve_step(const StepNumbers<Real>& numbers, double bound) {
+PackedFlow::Outcome Flow<Real>::solve_step(const StepNumbers<Real>& numbers, double& largest) {
   if constexpr (std::is_same_v<Real, float>) {
-    return {.in_bounds = true, .solved = false};  // create() never makes a single-precision one
+    (void)numbers;
+    (void)largest;
+    return {.solved = false};  // create() never makes a single-precision one
   } else {
     if (numbers.prescribed) average_values(move_numbers(), options_.curvature_smoothing.passes);
     std::vector<Quad<double>> velocity(packed_.slot_count());
@@ -421,15 +429,12 @@ PackedFlow::Outcome Flow<Real>::solve_step(const StepNumbers<Real>& numbers, dou
     Outcome outcome = system_->solve(x_, velocity, strong_, held_, numbers, options_);
     if (!outcome.solved) return outcome;
     const std::span<const Quad<double>> delta = system_->displacement();
-    double largest = 0.0;
     for (std::size_t i = 0; i < delta.size(); ++i) {
       next_[i] = {x_[i].x + delta[i].x, x_[i].y + delta[i].y, x_[i].z + delta[i].z, 0.0};
       for (const double c : {next_[i].x, next_[i].y, next_[i].z}) {
-        if (!(std::abs(c) <= largest)) largest = std::isfinite(c) ? std::abs(c) : HUGE_VAL;
+        largest = larger(std::abs(c), largest);
       }
     }
-    outcome.in_bounds = largest <= bound;
-    if (outcome.in_bounds) x_.swap(next_);
     return outcome;
   }
 }

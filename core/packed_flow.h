@@ -27,7 +27,7 @@ class PackedFlow {
     double robust = 0.0;
     bool folded = false;
   };
-  /// `sampled`: of an even choice of about 16 000 vertices, where there are more.
+  /// `sampled`: of an even choice of about 4 000 vertices, where there are more.
   virtual Bends bends(bool sampled) = 0;
   /// See curvature_roughness(); over the barycentric instead of the mixed area.
   virtual double roughness() = 0;
@@ -36,6 +36,7 @@ class PackedFlow {
   /// What one step came to.
   struct Outcome {
     bool in_bounds = true;   ///< false: a position is not finite or a coordinate beyond the bound
+    bool finite = true;      ///< false: it is the former
     bool solved = true;      ///< false: the linear system was not solved, however small the step
     double time_step = 0.0;  ///< as done: halved as often as the solver asked for
     int solver_iterations = 0;
@@ -46,7 +47,8 @@ class PackedFlow {
   virtual Outcome step(double lambda, double time_step, double bound) = 0;
   /// Vertices that the last step took for features.
   virtual std::vector<unsigned char> features() const = 0;
-  /// rms displacement along the normals of the start, in L.
+  /// rms displacement of the vertices that may move along the normals of the start, in L; of an
+  /// even choice of about 4 000 vertices, where there are more.
   virtual double displacement() = 0;
   /// Memory of the kernels beyond positions and topology, bytes.
   virtual std::size_t kernel_bytes() const = 0;

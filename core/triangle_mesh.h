@@ -60,6 +60,9 @@ class TriangleMesh {
   /// For each source vertex the place (weld class) it belongs to, equal for equal positions.
   const std::vector<Index>& place_of_source() const { return place_of_source_; }
 
+  /// For each surface vertex its place, ascending: the copies of a place follow one another.
+  const std::vector<Index>& place_of_vertex() const { return place_of_vertex_; }
+
   /// One surface vertex per source vertex (the first copy of its place), kNoIndex if isolated.
   const std::vector<Index>& vertex_of_source() const { return vertex_of_source_; }
 

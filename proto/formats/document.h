@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,11 +13,22 @@
 
 namespace fairway {
 
+/// The vertices that one triangle primitive draws from: the elements of its POSITION accessor.
+struct PrimitiveVertices {
+  std::size_t primitive = 0;                   ///< in "primitives" of the mesh; 0 for a Draco mesh
+  std::size_t accessor = 0;                    ///< POSITION
+  std::optional<std::size_t> draco_view = {};  ///< that the accessor's elements are decoded from
+  Index first = 0;                             ///< vertex of the surface that is element 0
+  Index count = 0;
+};
+
 /// One surface of a document in its local space: a Draco mesh, or all triangle primitives of one
 /// glTF mesh together. Vertices are those of the distinct POSITION accessors, one after the other.
 struct Surface {
   std::string name;  ///< "meshes/0" …: a place in the document, never text from the file
   IndexedMesh mesh;
+  std::size_t mesh_index = 0;                 ///< in "meshes"; 0 for a Draco mesh
+  std::vector<PrimitiveVertices> primitives;  ///< ascending; several may share vertices
   /// Old normals, one per vertex, zero where the file has none; empty if it has none at all.
   std::vector<Vec3> normals;
 };

@@ -75,6 +75,7 @@ Result<Surface> read_surface(const DracoMesh& mesh) {
   surface.name = "mesh";
   surface.mesh.positions = to_vectors(*positions);
   surface.mesh.triangles = mesh.triangles();
+  surface.primitives.push_back({.count = static_cast<Index>(surface.mesh.positions.size())});
   for (std::size_t i = 0; i < surface.mesh.positions.size(); ++i) {
     if (!surface.mesh.positions[i].cast<float>().allFinite()) {
       return Error{

@@ -219,6 +219,8 @@ Result<void> SurfaceGatherer::add_primitive(const JsonPlace& place, std::size_t 
         {t[0] + vertices.first, t[1] + vertices.first, t[2] + vertices.first});
   }
   if (place.has("targets")) note("morph targets keep their deltas");
+  surface.primitives.push_back(
+      {index, vertices.position, vertices.draco_view, vertices.first, vertices.count});
   plan.primitives.push_back({index, **std::move(source), *block});
   return {};
 }
@@ -230,6 +232,7 @@ Result<void> SurfaceGatherer::add_mesh(const JsonPlace& mesh, std::size_t index)
   if (!*primitives || (*primitives)->size() == 0) return mesh.error("it has no primitives.");
   Surface surface;
   surface.name = fmt::format("meshes/{}", index);
+  surface.mesh_index = index;
   SurfacePlan plan;
   plan.mesh = index;
   repeats_.clear();

@@ -3,6 +3,7 @@
 #include "proto/messages/object_reader.h"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -113,6 +114,53 @@ void ObjectReader::strings(std::string_view key,
     error_ = Error{ErrorCode::invalid_parameters, fmt::format("\"{}\" item {} {}.", key, i, wrong),
                    fmt::format("{}/{}", child_pointer(pointer_, key), i)};
   }
+}
+
+void ObjectReader::indices(std::string_view key, std::size_t most, std::vector<Index>& target) {
+  constexpr int kLast = std::numeric_limits<int>::max();
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  if (!json->is_array()) return fail(key, "must be a list of indices");
+  if (json->size() > most) return fail(key, fmt::format("must have at most {} entries", most));
+  target.reserve(json->size());
+  for (std::size_t i = 0; i < json->size(); ++i) {
+    const double value = (*json)[i].is_number() ? (*json)[i].get<double>() : NAN;
+    if (!(value >= 0.0 && value <= kLast && value == std::floor(value))) {
+      error_ =
+          Error{ErrorCode::invalid_parameters,
+                fmt::format("\"{}\" item {} must be a whole number from 0 to {}.", key, i, kLast),
+                fmt::format("{}/{}", child_pointer(pointer_, key), i)};
+      return;
+    }
+    target.push_back(static_cast<Index>(value));
+  }
+}
+
+bool ObjectReader::holds_objects(std::string_view key) const {
+  if (!holds(key)) return false;
+  const Json& json = *json_->find(key);
+  return json.is_array() && !json.empty() && json.front().is_object();
+}
+
+void ObjectReader::objects(std::string_view key, const std::function<void(ObjectReader&)>& read) {
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  if (!json->is_array()) return fail(key, "must be a list of objects");
+  for (std::size_t i = 0; i < json->size() && !error_; ++i) {
+    const std::string pointer = fmt::format("{}/{}", child_pointer(pointer_, key), i);
+    if (!(*json)[i].is_object()) {
+      error_ = Error{ErrorCode::invalid_parameters,
+                     fmt::format("\"{}\" item {} must be an object.", key, i), pointer};
+      return;
+    }
+    ObjectReader item((*json)[i], pointer);
+    read(item);
+    take_error(item);
+  }
+}
+
+void ObjectReader::require(std::string_view key) {
+  if (!holds(key)) fail(key, "must be given");
 }
 
 ObjectReader ObjectReader::object(std::string_view key) {

@@ -6,7 +6,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "core/index.h"
 #include "core/result.h"
 #include "proto/messages/json.h"
 
@@ -70,6 +72,16 @@ class ObjectReader {
 
   /// An array of strings; `accept` answers an empty text, or what is wrong with this one.
   void strings(std::string_view key, const std::function<std::string(std::string_view)>& accept);
+
+  /// An array of at most `most` indices, whole numbers from 0 to 2³¹ − 1.
+  void indices(std::string_view key, std::size_t most, std::vector<Index>& target);
+
+  /// True where the value is an array that starts with an object.
+  bool holds_objects(std::string_view key) const;
+  /// An array of objects, each strict too: `read` takes what it knows from a reader of one.
+  void objects(std::string_view key, const std::function<void(ObjectReader&)>& read);
+  /// An absent key is an error.
+  void require(std::string_view key);
 
   /// A reader of the object at `key`; an empty one where the key is absent. Its error is brought
   /// back by take_error().

@@ -86,6 +86,48 @@ std::vector<CurvatureKind> read_curvature(ObjectReader& reader) {
   return kinds;
 }
 
+FixedVertices read_fixed_at_place(ObjectReader& reader, std::size_t most) {
+  constexpr int kLast = 1'000'000'000;
+  int mesh = 0;
+  int primitive = 0;
+  FixedVertices fixed;
+  reader.require("mesh");
+  reader.integer("mesh", 0, kLast, mesh);
+  reader.integer("primitive", 0, kLast, primitive);
+  reader.require("vertices");
+  reader.indices("vertices", most, fixed.vertices);
+  fixed.place = {static_cast<std::size_t>(mesh), static_cast<std::size_t>(primitive)};
+  return fixed;
+}
+
+std::vector<FixedVertices> read_fixed_vertices(ObjectReader& reader) {
+  constexpr std::string_view kKey = "fixed_vertices";
+  std::vector<FixedVertices> out;
+  if (reader.holds_objects(kKey)) {
+    std::size_t left = kMostFixedVertices;
+    reader.objects(kKey, [&](ObjectReader& item) {
+      out.push_back(read_fixed_at_place(item, left));
+      left -= out.back().vertices.size();
+    });
+  } else {
+    FixedVertices fixed;
+    reader.indices(kKey, kMostFixedVertices, fixed.vertices);
+    if (!fixed.vertices.empty()) out.push_back(std::move(fixed));
+  }
+  return out;
+}
+
+Json fixed_vertices_document(const std::vector<FixedVertices>& fixed) {
+  if (fixed.size() == 1 && !fixed.front().place) return fixed.front().vertices;
+  Json list = Json::array();
+  for (const FixedVertices& item : fixed) {
+    list.push_back({{"mesh", item.place->mesh},
+                    {"primitive", item.place->primitive},
+                    {"vertices", item.vertices}});
+  }
+  return list;
+}
+
 std::optional<Format> read_output(ObjectReader& reader) {
   constexpr std::array<Named<Format>, 3> kOutputs = {
       {{"glb", Format::glb}, {"gltf", Format::gltf}, {"drc", Format::drc}}};
@@ -156,6 +198,8 @@ Result<Parameters> parse_parameters(std::string_view text) {
   parameters.flow = read_flow(reader);
   std::vector<CurvatureKind> curvature = read_curvature(reader);
   if (reader.holds("curvature")) parameters.curvature = std::move(curvature);
+  reader.boolean("features", parameters.flow.find_features);
+  parameters.fixed_vertices = read_fixed_vertices(reader);
   parameters.output = read_output(reader);
   reader.refuse_unknown_keys();
   if (reader.error()) return *reader.error();
@@ -187,7 +231,9 @@ Json parameters_document(const Parameters& parameters) {
   document["guards"] = {{"unfold", flow.guards.unfold},
                         {"min_component", flow.guards.min_component},
                         {"local_step", flow.guards.local_step}};
+  document["fixed_vertices"] = fixed_vertices_document(parameters.fixed_vertices);
   document["curvature"] = std::move(curvature);
+  document["features"] = flow.find_features;
   document["output"] = parameters.output ? Json(name_of(*parameters.output)) : Json("auto");
   return document;
 }

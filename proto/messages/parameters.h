@@ -18,9 +18,28 @@ enum class CurvatureKind { k1, k2, mean, gaussian, predominant, dir1, dir2 };
 /// "_CURVATURE_K1" …
 std::string_view attribute_name(CurvatureKind kind);
 
+/// "_FEATURE": 1 at feature vertices, else 0.
+inline constexpr std::string_view kFeatureAttribute = "_FEATURE";
+
+/// Vertices that do not move, as a client names them: elements, from 0, of the POSITION accessor of
+/// a triangle primitive. Without a mesh: of the only POSITION accessor there is, or of a Draco
+/// mesh.
+struct FixedVertices {
+  struct Place {
+    std::size_t mesh = 0;
+    std::size_t primitive = 0;
+  };
+  std::optional<Place> place;
+  std::vector<Index> vertices;
+};
+
+/// Most fixed vertices of a request, all lists together.
+inline constexpr std::size_t kMostFixedVertices = 100'000;
+
 /// A whole request: the flow, the attributes, the output.
 struct Parameters {
-  FlowOptions flow;
+  FlowOptions flow;  ///< its `fixed_vertices` are empty: which they are depends on the file
+  std::vector<FixedVertices> fixed_vertices;  ///< one without a place, or any number with one
   std::vector<CurvatureKind> curvature = {
       CurvatureKind::k1,          CurvatureKind::k2,   CurvatureKind::mean, CurvatureKind::gaussian,
       CurvatureKind::predominant, CurvatureKind::dir1, CurvatureKind::dir2};

@@ -2,10 +2,19 @@
 
 #include "proto/messages/report.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 namespace fairway {
 namespace {
+
+// A file may have any number of meshes, the report has to fit one line of the worker's.
+constexpr std::size_t kMostSurfaces = 300;
+constexpr std::size_t kMostNotes = 500;
+constexpr std::size_t kMostSteps = 1000;  // of all surfaces
+constexpr std::size_t kMostStepsOfSurface = 200;
 
 /// (after − before) / |before|, null where that says nothing.
 Json relative_change(double before, double after) {
@@ -13,10 +22,10 @@ Json relative_change(double before, double after) {
   return (after - before) / std::abs(before);
 }
 
-/// The steps of a run as one entry each; long runs are thinned to at most 200, last one kept.
-Json steps_document(const std::vector<FlowStep>& steps) {
+/// The steps of a run as one entry each; longer runs than `most` are thinned evenly, last one kept.
+Json steps_document(const std::vector<FlowStep>& steps, std::size_t most) {
   Json list = Json::array();
-  const std::size_t stride = steps.size() / 200 + 1;
+  const std::size_t stride = steps.size() / most + 1;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (i % stride != 0 && i + 1 != steps.size()) continue;
     const FlowStep& step = steps[i];
@@ -34,24 +43,25 @@ Json steps_document(const std::vector<FlowStep>& steps) {
   return list;
 }
 
-Json flow_document(const FlowReport& flow) {
+Json flow_document(const FlowReport& flow, std::size_t most_steps) {
   return {{"mean_edge_length", flow.mean_edge_length},
           {"noise", flow.noise},
           {"step_size", flow.step_size},
           {"unfold_rounds", flow.unfold_rounds},
           {"steps_done", flow.steps.size()},
-          {"feature_angle", flow.steps.empty() ? 0.0 : flow.steps.back().feature_angle},
-          {"lambda", flow.steps.empty() ? 0.0 : flow.steps.back().lambda},
+          {"halved_steps", flow.halved_steps},
+          {"feature_angle", flow.feature_angle},
+          {"lambda", flow.lambda},
           {"rms_displacement", flow.rms_displacement},
           {"max_displacement", flow.max_displacement},
           {"volume_change", relative_change(flow.volume_before, flow.volume_after)},
           {"area_change", relative_change(flow.area_before, flow.area_after)},
           {"flipped_faces", flow.flipped_faces},
-          {"steps", steps_document(flow.steps)},
+          {"steps", steps_document(flow.steps, most_steps)},
           {"notes", flow.notes}};
 }
 
-Json surface_document(const SurfaceReport& surface) {
+Json surface_document(const SurfaceReport& surface, std::size_t most_steps) {
   const SurfaceCounts& counts = surface.counts;
   return {{"name", surface.name},
           {"source_vertices", counts.source_vertices},
@@ -65,16 +75,29 @@ Json surface_document(const SurfaceReport& surface) {
           {"split", counts.split},
           {"degenerate_triangles", counts.degenerate_triangles},
           {"duplicate_triangles", counts.duplicate_triangles},
-          {"flow", flow_document(surface.flow)}};
+          {"flow", flow_document(surface.flow, most_steps)}};
 }
 
 }  // namespace
 
 Json report_document(const JobReport& report) {
+  const std::size_t listed = std::min(report.surfaces.size(), kMostSurfaces);
+  const std::size_t most_steps =
+      std::min(kMostStepsOfSurface, kMostSteps / std::max<std::size_t>(listed, 1));
   Json surfaces = Json::array();
-  for (const SurfaceReport& surface : report.surfaces)
-    surfaces.push_back(surface_document(surface));
-  return {{"surfaces", std::move(surfaces)}, {"notes", report.notes}};
+  for (std::size_t i = 0; i < listed; ++i) {
+    surfaces.push_back(surface_document(report.surfaces[i], most_steps));
+  }
+  const std::size_t told = std::min(report.notes.size(), kMostNotes);
+  Json notes = Json::array();
+  for (std::size_t i = 0; i < told; ++i) notes.push_back(report.notes[i]);
+  if (told < report.notes.size()) {
+    notes.push_back(fmt::format("{} more notes are not shown.", report.notes.size() - told));
+  }
+  if (listed < report.surfaces.size()) {
+    notes.push_back(fmt::format("{} of {} surfaces are reported.", listed, report.surfaces.size()));
+  }
+  return {{"surfaces", std::move(surfaces)}, {"notes", std::move(notes)}};
 }
 
 }  // namespace fairway

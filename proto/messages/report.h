@@ -27,7 +27,8 @@ struct JobReport {
 };
 
 /// The `report` of the job document: {"surfaces": […], "notes": […]}. Lengths in the mesh's local
-/// units; volume and area changes are relative.
+/// units; volume and area changes are relative. Bounded, to fit in kMaxWorkerLine: of many surfaces
+/// and notes the first are listed and a note counts them, of many steps an even choice.
 Json report_document(const JobReport& report);
 
 }  // namespace fairway

@@ -20,6 +20,16 @@ struct DenoiseCommand {
 };
 Result<void> run(const DenoiseCommand& command);
 
+/// `fairway curvature IN OUT`: the attributes of `denoise`, and nothing moves. Of the parameters
+/// those of the flow are without effect, except what says which vertices are features.
+struct CurvatureCommand {
+  std::string input;
+  std::string output;
+  std::string parameters;
+  bool quiet = false;
+};
+Result<void> run(const CurvatureCommand& command);
+
 /// `fairway sample SHAPE OUT.glb`.
 struct SampleCommand {
   std::string shape;

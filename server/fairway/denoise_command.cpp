@@ -1,4 +1,5 @@
-// `fairway denoise`: the pipeline by hand, with a progress bar on a terminal.
+// `fairway denoise` and `fairway curvature`: the pipeline by hand, with a progress bar on a
+// terminal.
 
 #include <cmath>
 #include <cstdio>
@@ -60,8 +61,10 @@ void print_report(const JobReport& report) {
           "  {} steps of {:.3g}, feature angle {:.1f} degrees, moved {:.3f} mean edges (rms)\n",
           flow.steps.size(), flow.step_size, flow.steps.back().feature_angle,
           flow.rms_displacement);
+    } else if (flow.feature_angle > 0.0) {
+      fmt::print("  features from {:.1f} degrees on\n", flow.feature_angle);
     }
-    if (surface.boundary_loops == 0 && flow.volume_before != 0.0) {
+    if (!flow.steps.empty() && surface.boundary_loops == 0 && flow.volume_before != 0.0) {
       fmt::print("  volume {:+.3f} %\n", 100.0 * (flow.volume_after / flow.volume_before - 1.0));
     }
     for (const std::string& note : flow.notes) fmt::print("  {}\n", note);
@@ -69,12 +72,8 @@ void print_report(const JobReport& report) {
   for (const std::string& note : report.notes) fmt::print("{}\n", note);
 }
 
-}  // namespace
-
-Result<void> run(const DenoiseCommand& command) {
-  Result<Parameters> parameters = read_parameters(command.parameters);
-  if (!parameters) return parameters.error();
-  if (Result<void> chosen = choose_output(command.output, *parameters); !chosen) return chosen;
+Result<void> run_by_hand(const DenoiseCommand& command, Parameters parameters) {
+  if (Result<void> chosen = choose_output(command.output, parameters); !chosen) return chosen;
   const Result<InputFile> input = InputFile::open(command.input);
   if (!input) return input.error();
   const auto head = input->bytes().first(std::min(input->bytes().size(), kMagicBytes));
@@ -83,13 +82,28 @@ Result<void> run(const DenoiseCommand& command) {
 
   const bool bar = !command.quiet && isatty(STDERR_FILENO) != 0;
   const Result<PipelineOutput> output =
-      run_pipeline(input->bytes(), *format, *parameters,
+      run_pipeline(input->bytes(), *format, parameters,
                    bar ? ProgressObserver(draw_bar) : ProgressObserver(), {});
   if (bar) fmt::print(stderr, "\r\033[K");
   if (!output) return output.error();
   if (Result<void> written = write_file(command.output, output->bytes); !written) return written;
   if (!command.quiet) print_report(output->report);
   return {};
+}
+
+}  // namespace
+
+Result<void> run(const DenoiseCommand& command) {
+  Result<Parameters> parameters = read_parameters(command.parameters);
+  if (!parameters) return parameters.error();
+  return run_by_hand(command, *std::move(parameters));
+}
+
+Result<void> run(const CurvatureCommand& command) {
+  Result<Parameters> parameters = read_parameters(command.parameters);
+  if (!parameters) return parameters.error();
+  parameters->flow.method = Method::none;
+  return run_by_hand({command.input, command.output, {}, command.quiet}, *std::move(parameters));
 }
 
 }  // namespace fairway

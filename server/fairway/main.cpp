@@ -20,6 +20,7 @@ class Tool {
     app_.require_subcommand(1);
     app_.set_version_flag("--version", std::string("fairway ") + FAIRWAY_VERSION);
     add_denoise();
+    add_curvature();
     add_sample();
     add_compare();
     add_worker();
@@ -52,15 +53,28 @@ class Tool {
     };
   }
 
-  void add_denoise() {
-    CLI::App* verb = app_.add_subcommand("denoise", "Remove noise from a mesh and add curvature");
-    verb->add_option("IN", denoise_.input, "GLB, self-contained glTF or Draco file")->required();
-    verb->add_option("OUT", denoise_.output, "Result; the extension chooses .glb or .gltf")
+  /// A verb that makes a file of a file.
+  template <class Command>
+  void add_file_verb(const char* name, const char* what, const char* parameters, Command& command) {
+    CLI::App* verb = app_.add_subcommand(name, what);
+    verb->add_option("IN", command.input, "GLB, self-contained glTF or Draco file")->required();
+    verb->add_option("OUT", command.output, "Result; the extension chooses .glb or .gltf")
         ->required();
-    verb->add_option("--params", denoise_.parameters,
-                     "Parameters: JSON text or a file that holds it");
-    verb->add_flag("--quiet,-q", denoise_.quiet, "Print errors only");
-    verb->callback(choose(denoise_));
+    verb->add_option("--params", command.parameters, parameters);
+    verb->add_flag("--quiet,-q", command.quiet, "Print errors only");
+    verb->callback(choose(command));
+  }
+
+  void add_denoise() {
+    add_file_verb("denoise", "Remove noise from a mesh and add curvature",
+                  "Parameters: JSON text or a file that holds it", denoise_);
+  }
+
+  void add_curvature() {
+    add_file_verb("curvature", "Add curvature per vertex; nothing moves",
+                  "Parameters: JSON text or a file that holds it; curvature, features, "
+                  "feature_angle, lambda, guards and output count, the flow's others do not",
+                  curvature_);
   }
 
   void add_sample() {
@@ -95,6 +109,7 @@ class Tool {
 
   CLI::App app_{"fairway: mesh denoising by anisotropic curvature flows", "fairway"};
   DenoiseCommand denoise_;
+  CurvatureCommand curvature_;
   SampleCommand sample_;
   CompareCommand compare_;
   WorkerCommand worker_;

@@ -6,16 +6,19 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/curvature.h"
 #include "core/denoise.h"
+#include "core/features.h"
 #include "core/halfedge.h"
 #include "core/normals.h"
 #include "core/triangle_mesh.h"
 #include "proto/formats/document.h"
+#include "proto/formats/fixed_vertices.h"
 
 namespace fairway {
 namespace {
@@ -103,6 +106,14 @@ VertexAttribute attribute(CurvatureKind kind, const CurvatureFields& fields) {
   return vector_attribute(kind, fields.dir2);
 }
 
+/// float32, so that every reader takes it: bytes would have to stand four apart.
+VertexAttribute feature_attribute(std::span<const unsigned char> flags) {
+  VertexAttribute out{std::string(kFeatureAttribute), 1, {}};
+  out.values.reserve(flags.size());
+  for (const unsigned char flag : flags) out.values.push_back(flag != 0 ? 1.0F : 0.0F);
+  return out;
+}
+
 /// The attributes of a mesh that cannot be computed with: all zero.
 CurvatureFields no_curvature(std::size_t vertices) {
   const std::vector<double> zeros(vertices, 0.0);
@@ -144,6 +155,9 @@ Result<SurfaceResult> denoise_surface(const Surface& surface, const TriangleMesh
   if (!parameters.curvature.empty()) {
     add_attributes(scatter(mesh, curvature(mesh, denoised->positions)), parameters, result);
   }
+  if (parameters.flow.find_features) {
+    result.attributes.push_back(feature_attribute(scatter_flags(mesh, denoised->features)));
+  }
   report.surfaces.push_back(describe(surface, mesh, std::move(denoised->report)));
   return result;
 }
@@ -152,18 +166,25 @@ Result<SurfaceResult> denoise_surface(const Surface& surface, const TriangleMesh
 SurfaceResult leave_alone(const Surface& surface, const Parameters& parameters, const Error& why,
                           JobReport& report) {
   SurfaceResult result;
-  add_attributes(no_curvature(surface.mesh.positions.size()), parameters, result);
+  const std::size_t vertices = surface.mesh.positions.size();
+  add_attributes(no_curvature(vertices), parameters, result);
+  if (parameters.flow.find_features) {
+    result.attributes.push_back(feature_attribute(std::vector<unsigned char>(vertices)));
+  }
   report.notes.push_back(fmt::format("{} was left as it is: {}", surface.name, why.message));
   return result;
 }
 
-Result<std::vector<SurfaceResult>> denoise_all(const Document& document,
-                                               const Parameters& parameters,
+Result<std::vector<SurfaceResult>> denoise_all(const Document& document, Parameters parameters,
                                                ProgressTeller& progress,
                                                const std::stop_token& stop, JobReport& report) {
+  auto fixed = find_fixed_vertices(document.surfaces(), parameters.fixed_vertices);
+  if (!fixed) return fixed.error();
   std::vector<SurfaceResult> results;
   std::optional<Error> first_unusable;
-  for (const Surface& surface : document.surfaces()) {
+  for (std::size_t i = 0; i < document.surfaces().size(); ++i) {
+    const Surface& surface = document.surfaces()[i];
+    parameters.flow.fixed_vertices = std::move((*fixed)[i]);
     progress.next_surface(surface.mesh.triangles.size());
     progress.stage("topology", 0.0);
     const Result<TriangleMesh> mesh = TriangleMesh::build(surface.mesh);

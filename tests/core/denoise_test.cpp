@@ -167,9 +167,23 @@ TEST_CASE("without the local step a needle mesh diverges and says so, with it al
   const Result<Denoised> wild = denoise(mesh, options);
   REQUIRE_FALSE(wild);
   CHECK(wild.error().code == ErrorCode::diverged);
-  CHECK(wild.error().message.find("step") != std::string::npos);
+  CHECK(wild.error().message.find("at step ") != std::string::npos);
+  CHECK(wild.error().message.find("ten bounding boxes") != std::string::npos);
   options.guards.local_step = true;
   CHECK(denoise(mesh, options));
+}
+
+TEST_CASE("a step to what is no number says so, and which step it was") {
+  const TriangleMesh mesh = *TriangleMesh::build(with_normal_noise(sphere(2, 1.0), 0.2, 4));
+  FlowOptions options = plain(Method::anisotropic_prescribed, 5, 35.0);
+  using enum Execution::Precision;
+  const auto precision = GENERATE(single_precision, double_precision);
+  options.step_size = precision == single_precision ? 1e38 : 1e308;
+  const Result<Denoised> wild = denoise(mesh, options, {}, {}, {.precision = precision});
+  REQUIRE_FALSE(wild);
+  CHECK(wild.error().code == ErrorCode::diverged);
+  CHECK(wild.error().message.find("at step 1: a position is not a finite number") !=
+        std::string::npos);
 }
 
 TEST_CASE("progress comes after each step and a stop ends the run between two") {

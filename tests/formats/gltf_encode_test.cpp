@@ -129,6 +129,26 @@ TEST_CASE("a surface that did not move keeps its positions and normals") {
   CHECK(after.json["accessors"].size() == sample.json["accessors"].size() + 1);
 }
 
+TEST_CASE("feature flags are floats of 0 and 1 that every reader takes, positions untouched") {
+  const SampleGlb sample = cube_sample();
+  const auto document = decoded(sample.glb());
+  auto results = unmoved(*document);
+  const std::vector<float> flags = {0, 1, 1, 0, 0, 0, 1, 0};
+  results[0].attributes.push_back({"_FEATURE", 1, flags});
+  const Bytes out = encoded(*document, results);
+  const OtherReading reading = read_with_tinygltf(out, Format::glb);
+  INFO(reading.problem);
+  REQUIRE(reading.loaded);
+  CHECK(reading.attributes.at("_FEATURE") == flags);
+  const SampleGlb after = parse_sample(out);
+  const Json& accessor =
+      after.json["accessors"][index_at(after, "/meshes/0/primitives/0/attributes/_FEATURE")];
+  CHECK(accessor["componentType"] == 5126);
+  CHECK(accessor["type"] == "SCALAR");
+  CHECK(index_at(after, kPosition) == 0);
+  CHECK(after.json["accessors"][0].dump() == sample.json["accessors"][0].dump());
+}
+
 TEST_CASE("shared positions are de-shared, never written in place") {
   SampleGlb sample = cube_sample();
   Json& first = sample.json["meshes"][0]["primitives"];

@@ -39,6 +39,8 @@ TEST_CASE("nothing and {} mean the automatic anisotropic prescribed flow") {
     CHECK(p.flow.guards.min_component == 12);
     CHECK(p.flow.guards.local_step);
     CHECK(p.curvature.size() == 7);
+    CHECK(p.fixed_vertices.empty());
+    CHECK_FALSE(p.flow.find_features);
     CHECK_FALSE(p.output);
   }
 }
@@ -50,7 +52,8 @@ TEST_CASE("every parameter is read") {
       "step_size":0.05,"feature_angle":35,"transition":8,
       "curvature_smoothing":{"passes":3,"fraction":0.5},"boundary":"fixed","conventions":"paper",
       "guards":{"unfold":false,"min_component":false,"local_step":false},
-      "curvature":["mean","_CURVATURE_K1"],"output":"gltf"})");
+      "fixed_vertices":[3,1,4,1],
+      "curvature":["mean","_CURVATURE_K1"],"features":true,"output":"gltf"})");
   CHECK(p.flow.method == Method::anisotropic);
   CHECK(p.flow.integration == Integration::semi_implicit);
   CHECK(p.flow.mass == Mass::lumped);
@@ -67,13 +70,20 @@ TEST_CASE("every parameter is read") {
   CHECK(p.flow.guards.min_component == 0);
   CHECK_FALSE(p.flow.guards.local_step);
   CHECK(p.curvature == std::vector{CurvatureKind::k1, CurvatureKind::mean});
+  CHECK(p.flow.find_features);
+  REQUIRE(p.fixed_vertices.size() == 1);
+  CHECK_FALSE(p.fixed_vertices[0].place);
+  CHECK(p.fixed_vertices[0].vertices == std::vector<Index>{3, 1, 4, 1});
   CHECK(p.output == Format::gltf);
   CHECK(good(R"({"output":{"format":"glb"}})").output == Format::glb);
 }
 
 TEST_CASE("a parameter document survives the round trip") {
   const auto* text = GENERATE("{}", R"({"lambda":0.25,"steps":7,"curvature":[]})",
-                              R"({"method":"none","feature_angle":20.5,"output":"glb"})");
+                              R"({"method":"none","feature_angle":20.5,"output":"glb"})",
+                              R"({"fixed_vertices":[0,2147483647],"features":true})",
+                              R"({"fixed_vertices":[{"mesh":2,"vertices":[5]},
+                                  {"vertices":[],"primitive":1,"mesh":0}]})");
   const Json document = parameters_document(good(text));
   CHECK(parameters_document(good(dump_json(document))) == document);
 }
@@ -113,6 +123,58 @@ TEST_CASE("wrong types, ranges and unknown keys are refused with the pointer of 
   refused(R"({"output":"exe"})", "/output");
   refused(R"({"output":{"format":"exe"}})", "/output/format");
   refused(R"({"a/b~c":1})", "/a~1b~0c");
+}
+
+TEST_CASE("fixed vertices may be named by mesh and primitive") {
+  const Parameters p = good(R"({"fixed_vertices":[{"mesh":2,"primitive":1,"vertices":[7,0]},
+                                                  {"mesh":0,"vertices":[1]}]})");
+  REQUIRE(p.fixed_vertices.size() == 2);
+  CHECK(p.fixed_vertices[0].place->mesh == 2);
+  CHECK(p.fixed_vertices[0].place->primitive == 1);
+  CHECK(p.fixed_vertices[0].vertices == std::vector<Index>{7, 0});
+  CHECK(p.fixed_vertices[1].place->primitive == 0);
+}
+
+TEST_CASE("lists of fixed vertices that are none are refused with the pointer of the culprit") {
+  const auto refused = [](const std::string& value, const std::string& rest) {
+    check_refused(R"({"fixed_vertices":)" + value + "}", ErrorCode::invalid_parameters,
+                  "/fixed_vertices" + rest);
+  };
+  for (const char* value : {"3", "null", "{}", "\"all\"", "true"}) refused(value, "");
+  for (const char* item : {"-1", "1.5", "\"2\"", "null", "[2]", "2147483648", "{}"}) {
+    refused(std::string("[0,") + item + "]", "/1");
+  }
+  refused(R"([{"mesh":0,"vertices":[1]},3])", "/1");
+  refused(R"([{"vertices":[1]}])", "/0/mesh");
+  refused(R"([{"mesh":0}])", "/0/vertices");
+  refused(R"([{"mesh":-1,"vertices":[1]}])", "/0/mesh");
+  refused(R"([{"mesh":0,"primitive":"x","vertices":[1]}])", "/0/primitive");
+  refused(R"([{"mesh":0,"vertices":[1,-1]}])", "/0/vertices/1");
+  refused(R"([{"mesh":0,"vertices":7}])", "/0/vertices");
+  refused(R"([{"mesh":0,"vertices":[1]},{"mesh":0,"vertices":[1],"x":1}])", "/1/x");
+  check_refused(R"({"features":1})", ErrorCode::invalid_parameters, "/features");
+}
+
+TEST_CASE("more fixed vertices than the limit are refused, in one list or in many") {
+  const auto list = [](std::size_t count) {
+    std::string text = "[0";
+    for (std::size_t i = 1; i < count; ++i) text += ",0";
+    return text + "]";
+  };
+  const std::string half = list(kMostFixedVertices / 2);
+  const auto two = [&](const std::string& second) {
+    return R"({"fixed_vertices":[{"mesh":0,"vertices":)" + half + R"(},{"mesh":1,"vertices":)" +
+           second + "}]}";
+  };
+  CHECK(good(two(half)).fixed_vertices.size() == 2);
+  const auto refused = [](const std::string& text, const std::string& pointer) {
+    const Result<Parameters> parameters = parse_parameters(text);
+    REQUIRE_FALSE(parameters);
+    CHECK(parameters.error().code == ErrorCode::invalid_parameters);
+    CHECK(parameters.error().pointer == pointer);
+  };
+  refused(two(list(kMostFixedVertices / 2 + 1)), "/fixed_vertices/1/vertices");
+  refused(R"({"fixed_vertices":)" + list(kMostFixedVertices + 1) + "}", "/fixed_vertices");
 }
 
 TEST_CASE("lambda together with feature_angle is refused") {

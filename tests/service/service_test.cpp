@@ -1,6 +1,8 @@
 // The real service with the real worker, from outside.
+#include <cstring>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -63,6 +65,39 @@ TEST_CASE("the synchronous way answers with the mesh itself, raw and multipart")
   REQUIRE(form.status == 200);
   CHECK(form.body == raw.body);
   CHECK(client.get(form.header("location")).json()["state"] == "succeeded");
+}
+
+TEST_CASE("method none adds curvature and features and touches no position") {
+  const TemporaryDirectory directory;
+  const ServiceProcess service(directory.path());
+  const std::string mesh = noisy_torus(10);
+  const Answer answer = service.client().post(
+      "/v1/denoise?params=" + percent_encoded(R"({"method":"none","features":true})"), mesh);
+  REQUIRE(answer.status == 200);
+  const auto json_of = [](const std::string& glb) {
+    std::uint32_t size = 0;
+    std::memcpy(&size, glb.data() + 12, sizeof size);
+    return std::pair{Json::parse(glb.substr(20, size)), glb.substr(28 + size)};
+  };
+  const auto [before, old_bin] = json_of(mesh);
+  const auto [after, bin] = json_of(answer.body);
+  const Json& attributes = after["meshes"][0]["primitives"][0]["attributes"];
+  const std::size_t position = before["meshes"][0]["primitives"][0]["attributes"]["POSITION"];
+  CHECK(attributes["POSITION"] == position);
+  CHECK(after["accessors"][position].dump() == before["accessors"][position].dump());
+  CHECK(bin.substr(0, old_bin.size()) == old_bin);
+  CHECK(attributes.contains("_CURVATURE_DIR2"));
+  CHECK(attributes.contains("_FEATURE"));
+}
+
+TEST_CASE("a fixed vertex that the file does not have is a problem with its pointer") {
+  const TemporaryDirectory directory;
+  const ServiceProcess service(directory.path());
+  const Answer answer = service.client().post(
+      "/v1/denoise?params=" + percent_encoded(R"({"fixed_vertices":[0,99]})"), small_glb());
+  CHECK(answer.status == 422);
+  CHECK(answer.problem() == "invalid_parameters");
+  CHECK(answer.json()["pointer"] == "/fixed_vertices/1");
 }
 
 TEST_CASE("five kinds of broken upload each get their problem") {

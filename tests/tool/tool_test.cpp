@@ -69,6 +69,68 @@ TEST_CASE("zero steps and method none keep the positions bit for bit and add cur
   CHECK(result.attributes.count("_CURVATURE_DIR2") == 1);
 }
 
+TEST_CASE("the curvature verb adds attributes and leaves every other byte") {
+  SampleGlb before = parse_sample(glb_of(noisy_sphere()));
+  before.json["extras"] = {{"keep", "me"}};
+  const Workplace place(before.glb());
+  const ToolRun run = run_tool({"curvature", place.in, place.out, "--params",
+                                R"({"steps":50,"curvature":["k1"],"features":true})"});
+  INFO(run.output);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.output.find("features from") != std::string::npos);
+  SampleGlb after = parse_sample(read_bytes(place.out));
+  CHECK(Bytes(after.bin.begin(),
+              after.bin.begin() + static_cast<std::ptrdiff_t>(before.bin.size())) == before.bin);
+  Json& attributes = after.json["meshes"][0]["primitives"][0]["attributes"];
+  CHECK(attributes.size() == 3);
+  CHECK(floats_of(after, attributes["_CURVATURE_K1"]).size() == noisy_sphere().positions.size());
+  CHECK(floats_of(after, attributes["_FEATURE"]).size() == noisy_sphere().positions.size());
+  // Taken back, the document is the old one.
+  attributes.erase("_CURVATURE_K1");
+  attributes.erase("_FEATURE");
+  for (const char* list : {"accessors", "bufferViews"}) {
+    REQUIRE(after.json[list].size() == before.json[list].size() + 2);
+    after.json[list].erase(after.json[list].size() - 1);
+    after.json[list].erase(after.json[list].size() - 1);
+  }
+  after.json["buffers"] = before.json["buffers"];
+  CHECK(after.json.dump() == before.json.dump());
+}
+
+TEST_CASE("feature vertices are marked on request, and only then") {
+  const IndexedMesh clean = octahedron(16);
+  const Workplace place(glb_of(with_normal_noise(clean, 0.1, 2)));
+  REQUIRE(place.denoise(R"({"features":true})").exit_code == 0);
+  const OtherReading result = read_with_tinygltf(read_bytes(place.out), Format::glb);
+  REQUIRE(result.attributes.count("_FEATURE") == 1);
+  const std::vector<float>& flags = result.attributes.at("_FEATURE");
+  REQUIRE(flags.size() == clean.positions.size());
+  std::size_t wrong = 0;
+  for (std::size_t v = 0; v < flags.size(); ++v) {
+    CHECK((flags[v] == 0.0F || flags[v] == 1.0F));
+    const bool on_edge = clean.positions[v].cwiseAbs().minCoeff() < 1e-9;
+    wrong += (flags[v] == 1.0F) != on_edge ? 1 : 0;
+  }
+  CHECK(wrong < flags.size() / 50);
+  REQUIRE(place.denoise().exit_code == 0);
+  CHECK(read_with_tinygltf(read_bytes(place.out), Format::glb).attributes.count("_FEATURE") == 0);
+}
+
+TEST_CASE("fixed vertices come back bit for bit, wrong ones are refused") {
+  const Workplace place(glb_of(noisy_sphere()));
+  const auto* parameters = GENERATE(R"({"fixed_vertices":[3,50]})",
+                                    R"({"fixed_vertices":[{"mesh":0,"vertices":[50,3]}]})");
+  REQUIRE(place.denoise(parameters).exit_code == 0);
+  const IndexedMesh before = mesh_of(place.in);
+  const IndexedMesh after = mesh_of(place.out);
+  for (std::size_t v = 0; v < before.positions.size(); ++v) {
+    CHECK((before.positions[v] == after.positions[v]) == (v == 3 || v == 50));
+  }
+  const ToolRun refused = place.denoise(R"({"fixed_vertices":[3,100000]})");
+  CHECK(refused.exit_code == 16);
+  CHECK(refused.output.find("(at /fixed_vertices/1)") != std::string::npos);
+}
+
 TEST_CASE("curvature attributes are those asked for") {
   const Workplace place(glb_of(noisy_sphere()));
   REQUIRE(place.denoise(R"({"curvature":["mean"]})").exit_code == 0);
@@ -109,9 +171,12 @@ TEST_CASE("the wrong command line is explained and exits with 2") {
   CHECK(run_tool({"sample", "cat", "cat.glb"}).exit_code == 2);
   CHECK(run_tool({"denoise", "/nowhere/in.glb", "/nowhere/out.exe"}).exit_code == 2);
   CHECK(run_tool({"denoise", "/nowhere/in.glb", "/nowhere/out.glb"}).exit_code == 40);
-  const ToolRun help = run_tool({"denoise", "--help"});
-  CHECK(help.exit_code == 0);
-  CHECK(help.output.find("--params") != std::string::npos);
+  CHECK(run_tool({"curvature", "only-one"}).exit_code == 2);
+  for (const char* verb : {"denoise", "curvature"}) {
+    const ToolRun help = run_tool({verb, "--help"});
+    CHECK(help.exit_code == 0);
+    CHECK(help.output.find("--params") != std::string::npos);
+  }
 }
 
 TEST_CASE("parameters may stand in a file") {
