@@ -41,6 +41,10 @@ class ImplicitSystem {
   SolverReport solve(std::span<const Quad<double>> b, double tolerance, int most_iterations,
                      std::vector<Quad<double>>& x);
 
+  /// The matrix as assembled: per slot, and per entry of the packed ring.
+  std::span<const double> diagonal() const { return diagonal_; }
+  std::span<const double> coefficients() const { return coefficients_; }
+
  private:
   using Vectors = std::vector<Quad<double>>;
 

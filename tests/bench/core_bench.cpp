@@ -1,19 +1,18 @@
 // Benchmarks of core: every stage on synthetic meshes, beside plain implementations in the same
 // run. The steps measured are those of a default run: automatic feature angle, guards,
-// displacement.
+// displacement, from the noisy surface until the run ends.
 
 #include <algorithm>
-#include <chrono>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <sys/resource.h>
 
 #include "core/curvature.h"
 #include "core/denoise.h"
@@ -23,93 +22,12 @@
 #include "core/shapes.h"
 #include "core/surface_geometry.h"
 #include "core/weld.h"
+#include "tests/bench/implicit_bench.h"
 #include "tests/bench/plain_flow.h"
+#include "tests/bench/report.h"
 
 namespace fairway::bench {
 namespace {
-
-constexpr int kSteps = 20;
-
-double seconds_now() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration<double>(now).count();
-}
-
-double seconds_of(const std::function<void()>& work) {
-  const double start = seconds_now();
-  work();
-  return seconds_now() - start;
-}
-
-double median_of(std::vector<double> times) {
-  std::nth_element(times.begin(), times.begin() + static_cast<long>(times.size() / 2), times.end());
-  return times[times.size() / 2];
-}
-
-/// Median time of five runs of ours, and of the baseline in turn with them.
-struct Times {
-  double ours = 0.0;
-  double baseline = 0.0;
-};
-Times in_turn(const std::function<void()>& ours, const std::function<void()>& baseline) {
-  std::vector<double> a;
-  std::vector<double> b;
-  for (int i = 0; i < 5; ++i) {
-    a.push_back(seconds_of(ours));
-    if (baseline) b.push_back(seconds_of(baseline));
-  }
-  return {median_of(a), baseline ? median_of(b) : 0.0};
-}
-
-struct Settings {
-  bool json = false;
-  unsigned threads = 1;
-  std::string isa;
-  std::vector<std::size_t> sizes = {4'000, 35'000, 130'000, 500'000, 1'600'000};
-};
-
-struct Case {
-  std::string name;
-  std::size_t vertices;
-  std::string order;
-  double bytes_per_vertex = 0.0;
-};
-
-class Report {
- public:
-  explicit Report(const Settings& settings) : settings_(settings) {
-    if (settings_.json) return;
-    fmt::print("{:<14}{:>10} {:<9}{:>12}{:>12}{:>8}{:>9}{:>10}\n", "stage", "vertices", "order",
-               "ns/vertex", "plain", "ratio", "bytes/v", "peak MB");
-  }
-
-  void line(const Case& c, const Times& times) const {
-    const auto per_vertex = [&c](double seconds) {
-      return seconds * 1e9 / static_cast<double>(c.vertices);
-    };
-    rusage usage = {};
-    getrusage(RUSAGE_SELF, &usage);
-    const double ratio = times.baseline > 0.0 ? times.baseline / times.ours : 0.0;
-    if (settings_.json) {
-      fmt::print(
-          R"({{"name":"{}","vertices":{},"order":"{}","threads":{},"isa":"{}","ns_per_vertex":{:.2f},)"
-          R"("baseline":{},"ratio":{},"bytes_per_vertex":{:.1f},"peak_rss":{}}})"
-          "\n",
-          c.name, c.vertices, c.order, settings_.threads, settings_.isa, per_vertex(times.ours),
-          times.baseline > 0.0 ? fmt::format("{:.2f}", per_vertex(times.baseline)) : "null",
-          ratio > 0.0 ? fmt::format("{:.3f}", ratio) : "null", c.bytes_per_vertex,
-          usage.ru_maxrss * 1024);
-    } else {
-      fmt::print("{:<14}{:>10} {:<9}{:>12.1f}{:>12.1f}{:>8.2f}{:>9.0f}{:>10}\n", c.name, c.vertices,
-                 c.order, per_vertex(times.ours), per_vertex(times.baseline), ratio,
-                 c.bytes_per_vertex, usage.ru_maxrss / 1024);
-    }
-    std::fflush(stdout);
-  }
-
- private:
-  const Settings& settings_;
-};
 
 /// A noisy torus of about n vertices.
 IndexedMesh synthetic(std::size_t n) {
@@ -148,23 +66,33 @@ class Bench {
         held_(mesh_.vertex_count(), 0) {}
 
   void run() {
-    report_.line(named("weld"),
-                 in_turn([this] { (void)weld_equal_positions(source_.positions); }, {}));
-    report_.line(named("topology"), in_turn([this] { (void)TriangleMesh::build(source_); },
-                                            [this] { (void)plain_topology(source_); }));
-    report_.line(named("reorder"), in_turn([this] { const PackedMesh packed(mesh_); }, {}));
+    compare("weld", [this] { (void)weld_equal_positions(source_.positions); }, {});
+    compare(
+        "topology", [this] { (void)TriangleMesh::build(source_); },
+        [this] { (void)plain_topology(source_); });
+    compare("reorder", [this] { const PackedMesh packed(mesh_); }, {});
     PlainFlow plain(source_);
-    step("amc_step", Method::anisotropic,
-         [&](double lambda, double s) { plain.amc_step(lambda, s); });
-    step("pmc_step", Method::anisotropic_prescribed,
-         [&](double lambda, double s) { plain.pmc_step(lambda, s); });
-    report_.line(named("curvature"),
-                 in_turn([this] { (void)curvature(mesh_, mesh_.positions()); }, {}));
-    total();
+    steps("amc_step", Method::anisotropic, plain,
+          [&](double lambda, double s) { plain.amc_step(lambda, s); });
+    steps("pmc_step", Method::anisotropic_prescribed, plain,
+          [&](double lambda, double s) { plain.pmc_step(lambda, s); });
+    report_.line(named("implicit_step"), implicit_step(mesh_, mean_edge_, execution(), runs()));
+    compare("curvature", [this] { (void)curvature(mesh_, mesh_.positions()); }, {});
+    compare("reorder+10amc",
+            [this] {
+              const std::unique_ptr<PackedFlow> run = flow(Method::anisotropic);
+              for (int i = 0; i < 10; ++i) default_step(*run);
+            },
+            {});
   }
 
  private:
   Case named(std::string name) const { return {std::move(name), mesh_.vertex_count(), order_}; }
+  int runs() const { return mesh_.vertex_count() > kLarge ? 2 : 5; }
+  void compare(const std::string& name, const std::function<void()>& ours,
+               const std::function<void()>& baseline) const {
+    report_.line(named(name), in_turn(runs(), ours, baseline));
+  }
 
   Execution execution() const {
     Execution out;
@@ -184,45 +112,60 @@ class Bench {
     return out;
   }
 
-  static void default_steps(PackedFlow& flow, int steps) {
-    for (int i = 0; i < steps; ++i) {
-      flow.step(automatic_lambda(flow), 0.1, 1e6);
-      flow.displacement();
-    }
+  /// What denoise() does per step. Returns λ in mean edges.
+  static double default_step(PackedFlow& flow) {
+    const double lambda = automatic_lambda(flow);
+    flow.step(lambda, kStepSize, 1e6);
+    flow.displacement();
+    return lambda;
   }
 
-  /// The first steps of a default run, in turn with as many of the plain code at the final λ.
-  void step(const std::string& name, Method method,
-            const std::function<void(double, double)>& plain_step) const {
-    const std::unique_ptr<PackedFlow> fresh = flow(method);
-    std::vector<double> ours;
-    std::vector<double> plain;
-    const double s = 0.1 * mean_edge_ * mean_edge_;
-    for (int i = 0; i < 5; ++i) {
-      const std::unique_ptr<PackedFlow> run = flow(method);
-      ours.push_back(seconds_of([&] { default_steps(*run, kSteps); }) / kSteps);
-      const double lambda = automatic_lambda(*run) * mean_edge_;
-      plain.push_back(seconds_of([&] {
-                        for (int k = 0; k < 4; ++k) plain_step(lambda, s);
-                      }) /
-                      4.0);
-    }
+  /// Steps of an automatic run.
+  std::size_t default_steps(Method method) const {
+    FlowOptions options;
+    options.method = method;
+    return denoise(mesh_, options, {}, {}, execution())->report.steps.size();
+  }
+
+  /// All steps of a default run, each in its least time. The plain code does some of them, spread
+  /// over the run: from the same positions, with the same λ, in between.
+  void steps(const std::string& name, Method method, PlainFlow& plain,
+             const std::function<void(double, double)>& plain_step) const {
+    const std::size_t count = default_steps(method);
+    std::vector<double> ours(count, kLong);
+    std::array<double, kPlainSteps> theirs;
+    theirs.fill(kLong);
     Case c = named(name);
-    c.bytes_per_vertex =
-        static_cast<double>(fresh->kernel_bytes()) / static_cast<double>(c.vertices);
-    report_.line(c, {median_of(ours), median_of(plain)});
+    const auto short_runs = static_cast<int>(kManySteps / count);
+    for (int i = 0; i < (mesh_.vertex_count() > kLarge ? 2 : short_runs); ++i) {
+      const std::unique_ptr<PackedFlow> run = flow(method);
+      for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t part = k * kPlainSteps / count;
+        const bool both = k == (part * count + kPlainSteps - 1) / kPlainSteps;
+        if (both) {
+          plain.set_positions(mesh_.scatter_positions(source_, run->positions(mesh_.positions())));
+        }
+        double lambda = 0.0;
+        ours[k] = std::min(ours[k], seconds_of([&] { lambda = default_step(*run); }));
+        if (!both) continue;
+        const double s = kStepSize * mean_edge_ * mean_edge_;
+        theirs[part] =
+            std::min(theirs[part], seconds_of([&] { plain_step(lambda * mean_edge_, s); }));
+      }
+      c.bytes_per_vertex =
+          static_cast<double>(run->kernel_bytes()) / static_cast<double>(c.vertices);
+    }
+    const auto mean = [](const auto& times) {
+      return std::accumulate(times.begin(), times.end(), 0.0) / static_cast<double>(times.size());
+    };
+    report_.line(c, {mean(ours), mean(theirs)});
   }
 
-  /// Reordering and ten steps: what an arrangement of the input costs in the end.
-  void total() const {
-    report_.line(named("reorder+10amc"), in_turn(
-                                             [this] {
-                                               const std::unique_ptr<PackedFlow> run =
-                                                   flow(Method::anisotropic);
-                                               default_steps(*run, 10);
-                                             },
-                                             {}));
-  }
+  static constexpr std::size_t kLarge = 200'000;
+  static constexpr std::size_t kPlainSteps = 4;
+  static constexpr std::size_t kManySteps = 500;
+  static constexpr double kStepSize = 0.1;
+  static constexpr double kLong = std::numeric_limits<double>::max();
 
   const Settings& settings_;
   const Report& report_;

@@ -188,6 +188,13 @@ Vec3 PlainFlow::position(Index vertex) const {
   return {p[0], p[1], p[2]};
 }
 
+void PlainFlow::set_positions(std::span<const Vec3> positions) {
+  for (const auto v : state_->mesh.vertices()) {
+    const Vec3& p = positions[static_cast<std::size_t>(v.idx())];
+    state_->mesh.set_point(v, Point(p.x(), p.y(), p.z()));
+  }
+}
+
 std::size_t plain_topology(const IndexedMesh& mesh) {
   return build(mesh).n_faces();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "core/mesh.h"
 
@@ -22,6 +23,7 @@ class PlainFlow {
   void pmc_step(double lambda, double s);
 
   Vec3 position(Index vertex) const;
+  void set_positions(std::span<const Vec3> positions);
 
  private:
   struct State;
