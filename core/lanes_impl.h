@@ -63,15 +63,26 @@ FAIRWAY_HALVES(+)
 FAIRWAY_HALVES(-)
 FAIRWAY_HALVES(*)
 FAIRWAY_HALVES(/)
-FAIRWAY_HALVES(<)
-FAIRWAY_HALVES(>)
-FAIRWAY_HALVES(<=)
-FAIRWAY_HALVES(>=)
-FAIRWAY_HALVES(==)
-FAIRWAY_HALVES(!=)
 FAIRWAY_HALVES(&)
 FAIRWAY_HALVES(|)
 #undef FAIRWAY_HALVES
+// Compilers do not agree which 64-bit integers a comparison makes.
+#define FAIRWAY_COMPARE_HALVES(op)                                                                 \
+  template <class F>                                                                               \
+  FAIRWAY_INLINE Halves<FourLongs> operator op(const Halves<F>& a, const Halves<F>& b) {           \
+    return {(FourLongs)(a.low op b.low), (FourLongs)(a.high op b.high)};                           \
+  }                                                                                                \
+  template <class F>                                                                               \
+  FAIRWAY_INLINE Halves<FourLongs> operator op(const Halves<F>& a, typename Halves<F>::Scalar b) { \
+    return {(FourLongs)(a.low op b), (FourLongs)(a.high op b)};                                    \
+  }
+FAIRWAY_COMPARE_HALVES(<)
+FAIRWAY_COMPARE_HALVES(>)
+FAIRWAY_COMPARE_HALVES(<=)
+FAIRWAY_COMPARE_HALVES(>=)
+FAIRWAY_COMPARE_HALVES(==)
+FAIRWAY_COMPARE_HALVES(!=)
+#undef FAIRWAY_COMPARE_HALVES
 typedef Halves<FourDoubles> EightDoubles;
 typedef Halves<FourLongs> EightLongs;
 #endif
@@ -104,6 +115,15 @@ FAIRWAY_INLINE EightFloats square_root(EightFloats a) {
   EightFloats out;
   for (int i = 0; i < 8; ++i) out[i] = __builtin_sqrtf(a[i]);
   return out;
+#endif
+}
+
+/// The smaller of each two; the second where the first is not a number.
+FAIRWAY_INLINE EightFloats smaller(EightFloats a, EightFloats b) {
+#ifdef __AVX__
+  return (EightFloats)_mm256_min_ps((__m256)a, (__m256)b);
+#else
+  return select(a < b, a, b);
 #endif
 }
 
@@ -175,6 +195,24 @@ FAIRWAY_INLINE unsigned bits_of(EightLongs m) {
   return bits_of(m.low) | bits_of(m.high) << 4U;
 }
 #endif
+
+FAIRWAY_INLINE EightDoubles smaller(EightDoubles a, EightDoubles b) {
+  return select(a < b, a, b);
+}
+
+/// 1 / √a. In single precision where the processor helps: its estimate and one step of Newton's,
+/// to 2^-22.
+FAIRWAY_INLINE EightFloats inverse_root(EightFloats a) {
+#ifdef __AVX__
+  const EightFloats y = (EightFloats)_mm256_rsqrt_ps((__m256)a);
+  return y * (1.5F - 0.5F * a * y * y);
+#else
+  return 1 / square_root(a);
+#endif
+}
+FAIRWAY_INLINE EightDoubles inverse_root(EightDoubles a) {
+  return 1 / square_root(a);
+}
 
 template <class V, class Scalar>
 FAIRWAY_INLINE V from_array(const Scalar* values) {
