@@ -88,47 +88,32 @@ FAIRWAY_INLINE Lanes<Real> curvature_value(KernelMeasure measure, const Vectors<
   return select(squared > zero, f, zero);
 }
 
-/// Up to eight strong edges: their ends and ½ (1 − w) H_e N_e in stored units.
+/// ½ (1 − w) H_e N_e of eight strong edges from edges.p[first] on, in stored units.
 template <class Real>
-struct Weakened {
-  Index p[8], q[8];
-  Vectors<Real> excess;
-
-  FAIRWAY_INLINE Weakened(const KernelMesh<Real>& mesh, const Threshold<Real>& threshold,
-                          const StrongEdge* edges, std::size_t count) {
-    Index left[8];
-    Index right[8];
-    for (std::size_t i = 0; i < 8; ++i) {
-      const StrongEdge& e = edges[std::min(i, count - 1)];
-      const Slice& slice = mesh.slices[e.p / kLanes];
-      const Index* column = mesh.ring + kLanes * std::size_t{slice.columns} + e.p % kLanes;
-      const Index next = e.k + 1 == slice.valence ? 0 : e.k + 1;
-      const Index before = e.k == 0 ? slice.valence - 1 : e.k - 1;
-      p[i] = e.p;
-      q[i] = e.q;
-      left[i] = column[kLanes * std::size_t{next}];
-      right[i] = column[kLanes * std::size_t{before}];
-    }
-    const Gathered<Real> at = gather(mesh.positions, p);
-    const Vectors<Real> e = between(at, gather(mesh.positions, q));
-    const Fan<Real> left_face(e, between(at, gather(mesh.positions, left)), threshold.least);
-    const Fan<Real> right_face(between(at, gather(mesh.positions, right)), e, threshold.least);
-    const Vectors<Real> term = cross(e, left_face.normal - right_face.normal);
-    excess = term * ((1 - threshold.weight(dot(term, term))) / 2);
-  }
-};
+FAIRWAY_INLINE Vectors<Real> excess_of(const KernelMesh<Real>& mesh,
+                                       const Threshold<Real>& threshold, const StrongEdges& edges,
+                                       std::size_t first) {
+  const Gathered<Real> p = gather(mesh.positions, edges.p + first);
+  const Vectors<Real> e = between(p, gather(mesh.positions, edges.q + first));
+  const Vectors<Real> a = between(p, gather(mesh.positions, edges.left + first));
+  const Vectors<Real> b = between(p, gather(mesh.positions, edges.right + first));
+  const Fan<Real> left(e, a, threshold.least);
+  const Fan<Real> right(b, e, threshold.least);
+  const Vectors<Real> term = cross(e, left.normal - right.normal);
+  return term * ((1 - threshold.weight(dot(term, term))) / 2);
+}
 
 template <class Real>
-void weaken(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers, const StrongEdge* edges,
-            std::size_t count, Quad<Real>* curvature) {
+void weaken(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
+            const StrongEdges& edges, Quad<Real>* curvature) {
   const Threshold<Real> threshold(numbers, mesh.quantum);
-  for (std::size_t first = 0; first < count; first += kLanes) {
-    const std::size_t some = std::min<std::size_t>(kLanes, count - first);
-    const Weakened<Real> edge(mesh, threshold, edges + first, some);
+  for (std::size_t first = 0; first < edges.count; first += kLanes) {
+    const std::size_t some = std::min<std::size_t>(kLanes, edges.count - first);
     alignas(64) Quad<Real> excess[kLanes];
-    store_quads(excess, edge.excess * all(mesh.quantum), Lanes<Real>{});
+    store_quads(excess, excess_of(mesh, threshold, edges, first) * all(mesh.quantum),
+                Lanes<Real>{});
     for (std::size_t i = 0; i < some; ++i) {
-      for (const Index slot : {edge.p[i], edge.q[i]}) {
+      for (const Index slot : {edges.p[first + i], edges.q[first + i]}) {
         Quad<Real>& h = curvature[slot];
         const Quad<Real>& x = excess[i];
         h = {h.x - x.x, h.y - x.y, h.z - x.z, h.w - x.w};
@@ -139,24 +124,19 @@ void weaken(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers, cons
 
 template <class Real>
 Real weaken_moved(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
-                  const StrongEdge* edges, std::size_t count, const Real* factor,
-                  Stored<Real>* out) {
-  constexpr Real kRoom = 16;
+                  const StrongEdges& edges, const Real* factor, Stored<Real>* out) {
   const Threshold<Real> threshold(numbers, mesh.quantum);
   LargestMagnitude<Real> largest;
-  for (std::size_t first = 0; first < count; first += kLanes) {
-    const std::size_t some = std::min<std::size_t>(kLanes, count - first);
-    const Weakened<Real> edge(mesh, threshold, edges + first, some);
-    for (const Index* ends : {edge.p, edge.q}) {
-      const Vectors<Real> by = edge.excess * gather_values(factor, ends);
-      // A vertex may have several such edges: room for all of them counts.
-      for (const Lanes<Real>& c : {by.x, by.y, by.z}) largest.see(c * kRoom);
-      Stored<Real> stored[kLanes];
+  for (std::size_t first = 0; first < edges.count; first += kLanes) {
+    const std::size_t some = std::min<std::size_t>(kLanes, edges.count - first);
+    const Vectors<Real> excess = excess_of(mesh, threshold, edges, first);
+    for (const Index* ends : {edges.p + first, edges.q + first}) {
+      const Vectors<Real> by = excess * gather_values(factor, ends);
+      for (const Lanes<Real>& c : {by.x, by.y, by.z}) largest.see(c);
+      alignas(64) Stored<Real> stored[kLanes];
       store_rounded(stored, by);
       for (std::size_t i = 0; i < some; ++i) add(out[ends[i]], stored[i]);
     }
-    see_all(out, edge.p, largest);
-    see_all(out, edge.q, largest);
   }
   return largest.value();
 }

@@ -49,9 +49,14 @@ struct KernelFields {
   std::uint8_t* strong;   ///< per column, a bit per lane: |H_e| > λ
 };
 
-/// A strong edge between slots p < q; q is neighbour k of p.
-struct StrongEdge {
-  Index p, q, k;
+/// Strong edges, as arrays of slots: their ends p < q and the vertices opposite, `left` of p→q
+/// counter-clockwise. The arrays are readable for eight entries past the last.
+struct StrongEdges {
+  const Index* p;
+  const Index* q;
+  const Index* left;
+  const Index* right;
+  std::size_t count;
 };
 
 /// How f is found; the values of CurvatureMeasure.
@@ -97,11 +102,12 @@ struct FlowKernels {
   Real (*contract)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
                    Index first, Index last, Position* out);
   /// Gives strong edges their weight: takes ½ (1 − w) H_e N_e from H_A at both ends.
-  void (*weaken)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdge* edges,
-                 std::size_t count, Quad<Real>* curvature);
-  /// The same after `contract`, whose `out` and c this takes. Returns like `move`.
-  Real (*weaken_moved)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdge* edges,
-                       std::size_t count, const Real* factor, Position* out);
+  void (*weaken)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdges&,
+                 Quad<Real>* curvature);
+  /// The same after `contract`, whose `out` and c this takes. Returns the largest component of what
+  /// an edge moved a vertex by, in stored units.
+  Real (*weaken_moved)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdges&,
+                       const Real* factor, Position* out);
   /// V_A at the feature vertices, a bit per lane in `features`, one byte per slice.
   void (*direct)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
                  const std::uint8_t* features, Index first, Index last);

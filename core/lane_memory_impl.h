@@ -277,20 +277,6 @@ FAIRWAY_INLINE void store_moved(Stored<double>* out, const Gathered<double>& p,
   store_quads(out, to, EightDoubles{});
 }
 
-/// Looks at the coordinates of eight slots.
-FAIRWAY_INLINE void see_all(const Stored<float>* positions, const Index* slots,
-                            LargestMagnitude<float>& largest) {
-  const Gathered<float> p = gather(positions, slots);
-  for (const EightInts& c : {p.x, p.y, p.z}) {
-    largest.see(__builtin_convertvector(c, EightFloats));
-  }
-}
-FAIRWAY_INLINE void see_all(const Stored<double>* positions, const Index* slots,
-                            LargestMagnitude<double>& largest) {
-  const Gathered<double> p = gather(positions, slots);
-  for (const EightDoubles& c : {p.x, p.y, p.z}) largest.see(c);
-}
-
 /// The lowest bit of f says "feature vertex": that bit alone, or f without it.
 template <class Real>
 FAIRWAY_INLINE Mask<Real> kind_of(Lanes<Real> f) {

@@ -29,6 +29,7 @@ constexpr std::size_t kDoubleVertices = 20'000;
 // |N0 − N1|² of an edge bent by 120°.
 constexpr double kFolded = 3.0;
 constexpr double kMedianOfNormal = 0.6745;
+constexpr double kEdgesAtOnce = 8.0;
 
 /// Everything but a lumped explicit step solves a linear system.
 bool solves_system(const FlowOptions& options) {
@@ -346,15 +347,21 @@ double Flow<Real>::contract(const StepNumbers<Real>& numbers, double bound) {
     next_[slot] = x_[slot];
     value_[slot] = 0;
   }
-  if (is_anisotropic(options_.method) && largest <= bound) {
-    find_features();
-    for_feature_edges(packed_, strong_, features_, [&](std::span<const StrongEdge> edges) {
-      const Real coordinate = kernels_.weaken_moved(kernel_mesh(), numbers, edges.data(),
-                                                    edges.size(), value_.data(), next_.data());
-      largest = larger(static_cast<double>(coordinate) * quantum_, largest);
-    });
+  if (!is_anisotropic(options_.method) || !(largest <= bound)) return largest;
+  find_features();
+  double most = 0.0;
+  for_feature_edges(packed_, strong_, features_, [&](const StrongEdges& edges) {
+    most = larger(static_cast<double>(kernels_.weaken_moved(kernel_mesh(), numbers, edges,
+                                                            value_.data(), next_.data())),
+                  most);
+  });
+  // Rather too large than too small: by several edges of a vertex at once.
+  largest += kEdgesAtOnce * most * quantum_;
+  if (std::is_same_v<Real, double> || largest <= kLargestStored * quantum_ || !(largest <= bound)) {
+    return largest;
   }
-  return largest;
+  coarsen();
+  return contract(numbers, bound);
 }
 
 /// A prescribed mean curvature flow step from the fields. Returns like move_by().
@@ -382,8 +389,8 @@ PackedFlow::Outcome Flow<Real>::step(double lambda, double time_step, double bou
     compute_curvature(numbers);
     if (is_anisotropic(options_.method)) {
       find_features();
-      for_feature_edges(packed_, strong_, features_, [&](std::span<const StrongEdge> edges) {
-        kernels_.weaken(kernel_mesh(), numbers, edges.data(), edges.size(), curvature_.data());
+      for_feature_edges(packed_, strong_, features_, [&](const StrongEdges& edges) {
+        kernels_.weaken(kernel_mesh(), numbers, edges, curvature_.data());
       });
       if (numbers.prescribed) prescribe_features(numbers);
     }

@@ -20,7 +20,7 @@ struct WholeRing {
   V cotangents;  ///< Σ (|cot| + |cot|) = 2 K_pp
   V least;       ///< least squared twice area
 
-  static constexpr Real kLargest = std::is_same_v<Real, float> ? 3e38F : 1e300;
+  static constexpr Real kLargest = static_cast<Real>(3e38);
 
   FAIRWAY_INLINE WholeRing() {
     const V zero = {};
@@ -61,7 +61,8 @@ struct WholeRing {
   }
 };
 
-template <class Real, bool kPrescribed, bool kOpen>
+/// `kValence`: of the slice, so that the loop unrolls and its registers need no moving; 0 = any.
+template <class Real, bool kPrescribed, bool kOpen, Index kValence>
 FAIRWAY_INLINE WholeRing<Real, kPrescribed> sum_whole_ring(const KernelMesh<Real>& mesh,
                                                            const Threshold<Real>& threshold,
                                                            Index slice, const Gathered<Real>& p,
@@ -70,6 +71,7 @@ FAIRWAY_INLINE WholeRing<Real, kPrescribed> sum_whole_ring(const KernelMesh<Real
   using Face = typename WholeRing<Real, kPrescribed>::Face;
   const Slice& s = mesh.slices[slice];
   const Index* column = mesh.ring + kLanes * std::size_t{s.columns};
+  const Index valence = kValence == 0 ? s.valence : kValence;
   const Real half = threshold.squared / 2;
   const auto edge_to = [&](Index k) FAIRWAY_LAMBDA {
     return between(p, gather(mesh.positions, column + kLanes * std::size_t{k}));
@@ -81,7 +83,8 @@ FAIRWAY_INLINE WholeRing<Real, kPrescribed> sum_whole_ring(const KernelMesh<Real
   V aa = dot(a, a);
   const Face first_face = sums.add_face(first, first_squared, a, aa);
   Face before = first_face;
-  for (Index k = 1; k + 1 < s.valence; ++k) {
+#pragma GCC unroll 8
+  for (Index k = 1; k + 1 < valence; ++k) {
     const Vectors<Real> b = edge_to(k + 1);
     const V bb = dot(b, b);
     const Face face = sums.add_face(a, aa, b, bb);
@@ -91,13 +94,13 @@ FAIRWAY_INLINE WholeRing<Real, kPrescribed> sum_whole_ring(const KernelMesh<Real
     aa = bb;
   }
   if constexpr (kOpen) {
-    strong[0] = strong[s.valence - 1] = 0;
+    strong[0] = strong[valence - 1] = 0;
     sums.curvature = sums.curvature - first * first_face.cot_b -
                      cross(first, first_face.n * first_face.inverse) - a * before.cot_a +
                      cross(a, before.n * before.inverse);
   } else {
     const Face face = sums.add_face(a, aa, first, first_squared);
-    strong[s.valence - 1] = sums.add_edge(face, before, a, aa, half);
+    strong[valence - 1] = sums.add_edge(face, before, a, aa, half);
     strong[0] = sums.add_edge(first_face, face, first, first_squared, half);
   }
   return sums;
@@ -184,11 +187,12 @@ __attribute__((noinline, cold)) void sum_torn_ring(const KernelMesh<Real>& mesh,
 
 /// Calls use(sums) for the ring sums of a slice; inlined on every way, so that they stay in
 /// registers.
-template <class Real, bool kPrescribed, bool kOpen, class Use>
+template <class Real, bool kPrescribed, bool kOpen, Index kValence, class Use>
 FAIRWAY_INLINE void with_ring_sums(const KernelMesh<Real>& mesh, const Threshold<Real>& threshold,
                                    Index slice, const Gathered<Real>& p, std::uint8_t* strong,
                                    const Use& use) {
-  const auto sums = sum_whole_ring<Real, kPrescribed, kOpen>(mesh, threshold, slice, p, strong);
+  const auto sums =
+      sum_whole_ring<Real, kPrescribed, kOpen, kValence>(mesh, threshold, slice, p, strong);
   if (bits_of(sums.least <= threshold.least) == 0) {
     use(sums);
   } else {
@@ -201,11 +205,18 @@ template <class Real, bool kPrescribed, class Use>
 FAIRWAY_INLINE void with_ring_sums(const KernelMesh<Real>& mesh, const Threshold<Real>& threshold,
                                    Index slice, const Gathered<Real>& p, std::uint8_t* strong,
                                    const Use& use) {
-  std::uint8_t* columns = strong + mesh.slices[slice].columns;
-  if (mesh.slices[slice].open) {
-    with_ring_sums<Real, kPrescribed, true>(mesh, threshold, slice, p, columns, use);
+  const Slice& s = mesh.slices[slice];
+  std::uint8_t* columns = strong + s.columns;
+  if (s.open) {
+    with_ring_sums<Real, kPrescribed, true, 0>(mesh, threshold, slice, p, columns, use);
+  } else if (s.valence == 6) {
+    with_ring_sums<Real, kPrescribed, false, 6>(mesh, threshold, slice, p, columns, use);
+  } else if (s.valence == 5) {
+    with_ring_sums<Real, kPrescribed, false, 5>(mesh, threshold, slice, p, columns, use);
+  } else if (s.valence == 7) {
+    with_ring_sums<Real, kPrescribed, false, 7>(mesh, threshold, slice, p, columns, use);
   } else {
-    with_ring_sums<Real, kPrescribed, false>(mesh, threshold, slice, p, columns, use);
+    with_ring_sums<Real, kPrescribed, false, 0>(mesh, threshold, slice, p, columns, use);
   }
 }
 

@@ -28,22 +28,52 @@ std::uint64_t bits_at(const std::uint8_t* bytes, std::size_t count) {
   }
 }
 
-/// Calls visit(edge) for every strong edge of a slice that starts at `first_slot`.
+/// Calls visit(p, at) for every strong edge of a slice that starts at `first_slot`: slot p, and the
+/// index of its other end in the ring.
 template <class Visit>
 void for_strong_edges(const PackedMesh& mesh, std::span<const std::uint8_t> strong,
                       const Slice& slice, Index first_slot, const Visit& visit) {
   for (Index k = 0; k < slice.valence; k += 8) {
     const std::size_t column = std::size_t{slice.columns} + k;
-    const Index* ring = mesh.ring().data() + kLanes * column;
     const std::size_t columns = std::min<std::size_t>(8, slice.valence - k);
     std::uint64_t edges = bits_at(strong.data() + column, columns);
     if (edges != 0) edges &= bits_at(mesh.owned().data() + column, columns);
     for (; edges != 0; edges &= edges - 1) {
-      const auto at = static_cast<Index>(std::countr_zero(edges));
-      visit(StrongEdge{first_slot + at % kLanes, ring[at], k + at / kLanes});
+      const auto bit = static_cast<unsigned>(std::countr_zero(edges));
+      visit(first_slot + bit % kLanes, kLanes * column + bit);
     }
   }
 }
+
+/// A block of StrongEdges being filled.
+class EdgeBlock {
+ public:
+  EdgeBlock() : p_(kBlock + kMore), q_(p_.size()), left_(p_.size()), right_(p_.size()) {}
+
+  /// `slice`: of slot p; `at`: index of the other end in the ring.
+  void add(const PackedMesh& mesh, const Slice& slice, Index p, std::size_t at) {
+    const std::size_t first = kLanes * std::size_t{slice.columns};
+    const std::size_t all = kLanes * std::size_t{slice.valence};
+    const std::size_t next = at + kLanes < first + all ? at + kLanes : at + kLanes - all;
+    const std::size_t before = at >= first + kLanes ? at - kLanes : at + all - kLanes;
+    p_[count_] = p;
+    q_[count_] = mesh.ring()[at];
+    left_[count_] = mesh.ring()[next];
+    right_[count_] = mesh.ring()[before];
+    ++count_;
+  }
+  bool is_full() const { return count_ >= kBlock; }
+  template <class Visit>
+  void hand_over(const Visit& visit) {
+    if (count_ > 0) visit(StrongEdges{p_.data(), q_.data(), left_.data(), right_.data(), count_});
+    count_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t kMore = kLanes;
+  std::vector<Index> p_, q_, left_, right_;
+  std::size_t count_ = 0;
+};
 
 }  // namespace
 
@@ -97,7 +127,7 @@ void StrongGroups::find(const PackedMesh& mesh, std::span<const std::uint8_t> st
   Index first_slot = 0;
   for (const Slice& slice : mesh.slices()) {
     for_strong_edges(mesh, strong, slice, first_slot,
-                     [this](const StrongEdge& edge) { join(edge.p, edge.q); });
+                     [&](Index p, std::size_t at) { join(p, mesh.ring()[at]); });
     first_slot += kLanes;
   }
   features.resize(mesh.slices().size());
@@ -108,21 +138,20 @@ void StrongGroups::find(const PackedMesh& mesh, std::span<const std::uint8_t> st
 
 void for_feature_edges(const PackedMesh& mesh, std::span<const std::uint8_t> strong,
                        std::span<const std::uint8_t> features,
-                       const std::function<void(std::span<const StrongEdge>)>& visit) {
-  std::vector<StrongEdge> block;
-  block.reserve(kBlock + 64);
+                       const std::function<void(const StrongEdges&)>& visit) {
+  EdgeBlock block;
   for (std::size_t s = 0; s < features.size(); ++s) {
     if (features[s] == 0) continue;
-    for_strong_edges(mesh, strong, mesh.slices()[s], static_cast<Index>(kLanes * s),
-                     [&](const StrongEdge& edge) {
+    const Slice& slice = mesh.slices()[s];
+    for_strong_edges(mesh, strong, slice, static_cast<Index>(kLanes * s),
+                     [&](Index p, std::size_t at) {
                        // Both ends are in one group.
-                       if ((features[s] >> edge.p % kLanes & 1U) != 0) block.push_back(edge);
+                       if ((features[s] >> p % kLanes & 1U) == 0) return;
+                       block.add(mesh, slice, p, at);
+                       if (block.is_full()) block.hand_over(visit);
                      });
-    if (block.size() < kBlock) continue;
-    visit(block);
-    block.clear();
   }
-  if (!block.empty()) visit(block);
+  block.hand_over(visit);
 }
 
 }  // namespace fairway

@@ -37,6 +37,6 @@ class StrongGroups {
 /// Calls visit(edges) for blocks of the strong edges between feature vertices, in order of slots.
 void for_feature_edges(const PackedMesh& mesh, std::span<const std::uint8_t> strong,
                        std::span<const std::uint8_t> features,
-                       const std::function<void(std::span<const StrongEdge>)>& visit);
+                       const std::function<void(const StrongEdges&)>& visit);
 
 }  // namespace fairway

@@ -3,7 +3,6 @@
 // displacement, from the noisy surface until the run ends.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -127,35 +126,53 @@ class Bench {
     return denoise(mesh_, options, {}, {}, execution())->report.steps.size();
   }
 
-  /// All steps of a default run, each in its least time. The plain code does some of them, spread
-  /// over the run: from the same positions, with the same λ, in between.
+  /// What the plain code starts from: positions of the source, λ as a length.
+  struct State {
+    std::vector<Vec3> positions;
+    double lambda = 0.0;
+  };
+  std::vector<State> states(Method method, std::size_t count) const {
+    std::vector<State> out;
+    const std::unique_ptr<PackedFlow> run = flow(method);
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool wanted = out.size() < kPlainSteps && k == out.size() * count / kPlainSteps;
+      if (wanted) {
+        out.push_back({mesh_.scatter_positions(source_, run->positions(mesh_.positions()))});
+      }
+      const double lambda = default_step(*run);
+      if (wanted) out.back().lambda = lambda * mean_edge_;
+    }
+    return out;
+  }
+
+  /// All steps of a default run, each in its least time, in turn with the plain code, which does
+  /// some of them, spread over the run: from the same positions, with the same λ, with warm caches.
   void steps(const std::string& name, Method method, PlainFlow& plain,
              const std::function<void(double, double)>& plain_step) const {
     const std::size_t count = default_steps(method);
+    const std::vector<State> from = states(method, count);
     std::vector<double> ours(count, kLong);
-    std::array<double, kPlainSteps> theirs;
-    theirs.fill(kLong);
+    std::vector<double> theirs(from.size(), kLong);
     Case c = named(name);
-    const auto short_runs = static_cast<int>(kManySteps / count);
-    for (int i = 0; i < (mesh_.vertex_count() > kLarge ? 2 : short_runs); ++i) {
+    const bool large = mesh_.vertex_count() > kLarge;
+    const auto many = static_cast<int>(kManySteps / count);
+    for (int i = 0; i < (large ? 2 : many); ++i) {
       const std::unique_ptr<PackedFlow> run = flow(method);
-      for (std::size_t k = 0; k < count; ++k) {
-        const std::size_t part = k * kPlainSteps / count;
-        const bool both = k == (part * count + kPlainSteps - 1) / kPlainSteps;
-        if (both) {
-          plain.set_positions(mesh_.scatter_positions(source_, run->positions(mesh_.positions())));
+      for (double& time : ours) {
+        time = std::min(time, seconds_of([&] { default_step(*run); }));
+      }
+      for (std::size_t k = 0; k < from.size(); ++k) {
+        for (int pass = 0; pass < (large ? 1 : 2); ++pass) {
+          plain.set_positions(from[k].positions);
+          theirs[k] = std::min(theirs[k], seconds_of([&] {
+                                 plain_step(from[k].lambda, kStepSize * mean_edge_ * mean_edge_);
+                               }));
         }
-        double lambda = 0.0;
-        ours[k] = std::min(ours[k], seconds_of([&] { lambda = default_step(*run); }));
-        if (!both) continue;
-        const double s = kStepSize * mean_edge_ * mean_edge_;
-        theirs[part] =
-            std::min(theirs[part], seconds_of([&] { plain_step(lambda * mean_edge_, s); }));
       }
       c.bytes_per_vertex =
           static_cast<double>(run->kernel_bytes()) / static_cast<double>(c.vertices);
     }
-    const auto mean = [](const auto& times) {
+    const auto mean = [](const std::vector<double>& times) {
       return std::accumulate(times.begin(), times.end(), 0.0) / static_cast<double>(times.size());
     };
     report_.line(c, {mean(ours), mean(theirs)});
