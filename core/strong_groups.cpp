@@ -108,14 +108,17 @@ void StrongGroups::join(Index p, Index q) {
 /// The lanes of a slice that belong to large groups.
 std::uint8_t StrongGroups::large_lanes(Index slice) const {
   const std::int32_t* parents = parent_.data() + kLanes * std::size_t{slice};
-  unsigned met = 0;
-  for (Index lane = 0; lane < kLanes; ++lane) {
-    met |= (parents[lane] != kAlone ? 1U : 0U) << lane;
-  }
+  bool met = false;
+  for (Index lane = 0; lane < kLanes; ++lane) met |= parents[lane] != kAlone;
+  if (!met) return 0;
   unsigned lanes = 0;
-  for (; met != 0; met &= met - 1) {
-    const auto lane = static_cast<Index>(std::countr_zero(met));
-    lanes |= (parent_[root(kLanes * slice + lane)] == kLarge ? 1U : 0U) << lane;
+  for (Index lane = 0; lane < kLanes; ++lane) {
+    // Most ways are short: some steps without a branch, which would be foretold wrongly.
+    Index slot = kLanes * slice + lane;
+    for (int hop = 0; hop < 3; ++hop) {
+      slot = parent_[slot] >= 0 ? static_cast<Index>(parent_[slot]) : slot;
+    }
+    lanes |= (parent_[root(slot)] == kLarge ? 1U : 0U) << lane;
   }
   return static_cast<std::uint8_t>(lanes);
 }
