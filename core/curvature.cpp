@@ -3,14 +3,28 @@
 
 #include "core/curvature.h"
 
-#include <cmath>
+#include <algorithm>
 
-#include "core/edge_geometry.h"
-#include "core/shape_operator.h"
+#include "core/curvature_kernel.h"
 #include "core/surface_geometry.h"
+#include "core/thread_team.h"
 
 namespace fairway {
 namespace {
+
+constexpr std::size_t kGrain = 4096;  // vertices per range
+
+struct alignas(64) Aligned {
+  double numbers[kLanes];
+};
+
+std::size_t largest_valence(const TriangleMesh& mesh) {
+  std::size_t most = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    most = std::max(most, mesh.rings()[v].size());
+  }
+  return most;
+}
 
 template <class T>
 std::vector<T> spread(const std::vector<T>& values, const std::vector<Index>& vertex,
@@ -23,29 +37,34 @@ std::vector<T> spread(const std::vector<T>& values, const std::vector<Index>& ve
 
 }  // namespace
 
-CurvatureFields curvature(const TriangleMesh& surface, std::span<const Vec3> positions) {
-  const double smallest = smallest_area(mean_edge_length(surface, positions));
-  const FaceGeometry faces = face_geometry(surface, positions, smallest);
-  const EdgeCurvature edges = edge_mean_curvature(surface, positions, faces);
-  const std::vector<Vec3> normals = vertex_normals(surface, faces);
-  ShapeOperator shape = shape_operator(surface, positions, edges, normals);
-  const std::vector<double> area = mixed_area(surface, positions, faces);
-  CurvatureFields out;
-  out.gaussian = angle_defect(surface, positions, faces);
-  out.k1 = std::move(shape.major);
-  out.k2 = std::move(shape.minor);
-  out.dir1 = std::move(shape.major_direction);
-  out.dir2 = std::move(shape.minor_direction);
-  out.mean.resize(area.size());
-  out.predominant.resize(area.size());
-  for (std::size_t v = 0; v < area.size(); ++v) {
-    const double per_area = area[v] > 0.0 ? 1.0 / area[v] : 0.0;
-    out.k1[v] *= per_area;
-    out.k2[v] *= per_area;
-    out.gaussian[v] *= surface.boundary_vertex()[v] != 0 ? 0.0 : per_area;
-    out.mean[v] = 0.5 * (out.k1[v] + out.k2[v]);
-    out.predominant[v] = std::abs(out.k1[v]) >= std::abs(out.k2[v]) ? out.k1[v] : out.k2[v];
+CurvatureFields curvature(const TriangleMesh& surface, std::span<const Vec3> positions,
+                          const Execution& execution) {
+  const std::size_t n = surface.vertex_count();
+  const double per_length = 1.0 / mean_edge_length(surface, positions);
+  std::vector<Quad<double>> x(n);
+  for (std::size_t v = 0; v < n; ++v) {
+    const Vec3 p = positions[v] * per_length;
+    x[v] = {p.x(), p.y(), p.z(), 0.0};
   }
+  CurvatureFields out;
+  for (auto* numbers : {&out.k1, &out.k2, &out.mean, &out.gaussian, &out.predominant}) {
+    numbers->resize(n);
+  }
+  out.dir1.resize(n);
+  out.dir2.resize(n);
+  const CurvatureArrays arrays = {
+      out.k1.data(),          out.k2.data(),           out.mean.data(),        out.gaussian.data(),
+      out.predominant.data(), out.dir1.data()->data(), out.dir2.data()->data()};
+  const RingView rings = {surface.rings().offsets.data(), surface.rings().items.data(),
+                          surface.boundary_vertex().data(), x.data()};
+  const CurvatureKernel kernel = curvature_kernel(execution.isa);
+  const std::size_t most = largest_valence(surface);
+  ThreadTeam team(execution.threads);
+  team.for_ranges(n, kGrain, [&](std::size_t first, std::size_t last) {
+    std::vector<Aligned> scratch((most + 1) * kCurvatureScratch);
+    kernel(rings, per_length, static_cast<Index>(first), static_cast<Index>(last),
+           scratch.data()->numbers, arrays);
+  });
   return out;
 }
 

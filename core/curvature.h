@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/execution.h"
 #include "core/mesh.h"
 #include "core/triangle_mesh.h"
 
@@ -18,8 +19,10 @@ struct CurvatureFields {
 };
 
 /// Curvature of a surface at `positions` (one per surface vertex, relative to its origin):
-/// eigenvalues of the shape operator S(p), eq. (5), over the mixed Voronoi area.
-CurvatureFields curvature(const TriangleMesh& surface, std::span<const Vec3> positions);
+/// eigenvalues of the shape operator S(p), eq. (5), over the mixed Voronoi area. In double
+/// precision, on `execution.threads` threads.
+CurvatureFields curvature(const TriangleMesh& surface, std::span<const Vec3> positions,
+                          const Execution& execution = {});
 
 /// The same per source vertex (welded copies share values, isolated vertices get zeros).
 CurvatureFields scatter(const TriangleMesh& surface, const CurvatureFields& fields);

@@ -2,20 +2,25 @@
 
 #include "core/flow_kernels.h"
 
+#include "core/curvature_kernel.h"
+
 namespace fairway {
 
 namespace portable {
 const FlowKernels<float>& single_kernels();
 const FlowKernels<double>& double_kernels();
+CurvatureKernel curvature_kernel();
 }  // namespace portable
 #ifdef FAIRWAY_X86_KERNELS
 namespace avx2 {
 const FlowKernels<float>& single_kernels();
 const FlowKernels<double>& double_kernels();
+CurvatureKernel curvature_kernel();
 }  // namespace avx2
 namespace avx512 {
 const FlowKernels<float>& single_kernels();
 const FlowKernels<double>& double_kernels();
+CurvatureKernel curvature_kernel();
 }  // namespace avx512
 #endif
 
@@ -61,6 +66,15 @@ const FlowKernels<double>& flow_kernels<double>(Isa isa) {
 #endif
   (void)isa;
   return portable::double_kernels();
+}
+
+CurvatureKernel curvature_kernel(Isa isa) {
+#ifdef FAIRWAY_X86_KERNELS
+  if (isa == Isa::avx512) return avx512::curvature_kernel();
+  if (isa == Isa::avx2) return avx2::curvature_kernel();
+#endif
+  (void)isa;
+  return portable::curvature_kernel();
 }
 
 }  // namespace fairway

@@ -1,4 +1,5 @@
 // The kernels for AVX2 processors.
 
 #define FAIRWAY_KERNELS_NAMESPACE avx2
+#include "core/curvature_kernel_impl.h"
 #include "core/flow_kernels_impl.h"

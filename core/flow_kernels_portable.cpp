@@ -1,4 +1,5 @@
 // The kernels for all processors.
 
 #define FAIRWAY_KERNELS_NAMESPACE portable
+#include "core/curvature_kernel_impl.h"
 #include "core/flow_kernels_impl.h"

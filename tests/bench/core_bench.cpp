@@ -76,7 +76,7 @@ class Bench {
     steps("pmc_step", Method::anisotropic_prescribed, plain,
           [&](double lambda, double s) { plain.pmc_step(lambda, s); });
     report_.line(named("implicit_step"), implicit_step(mesh_, mean_edge_, execution(), runs()));
-    compare("curvature", [this] { (void)curvature(mesh_, mesh_.positions()); }, {});
+    compare("curvature", [this] { (void)curvature(mesh_, mesh_.positions(), execution()); }, {});
     compare("reorder+10amc",
             [this] {
               const std::unique_ptr<PackedFlow> run = flow(Method::anisotropic);
