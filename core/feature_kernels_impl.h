@@ -19,17 +19,17 @@ FAIRWAY_INLINE Real least_twice_area_squared(Real quantum) {
 
 /// The triangles (p, a, b) of eight rings, a and b relative to p: unit normals and what else the
 /// sums need, in stored units.
-template <class Real>
-struct Fan {
-  using V = Lanes<Real>;
+template <class V>
+struct FanOf {
+  using Scalar = typename Traits<V>::Scalar;
 
-  Vectors<Real> twice_area_vector;
-  Vectors<Real> normal;  ///< 0 where absent
-  V twice_area;          ///< 0 where absent
-  V inverse;             ///< 1 / twice_area, 0 where absent
-  Mask<Real> absent;
+  VectorsOf<V> twice_area_vector;
+  VectorsOf<V> normal;  ///< 0 where absent
+  V twice_area;         ///< 0 where absent
+  V inverse;            ///< 1 / twice_area, 0 where absent
+  typename Traits<V>::Mask absent;
 
-  FAIRWAY_INLINE Fan(const Vectors<Real>& a, const Vectors<Real>& b, Real least_squared) {
+  FAIRWAY_INLINE FanOf(const VectorsOf<V>& a, const VectorsOf<V>& b, Scalar least_squared) {
     const V zero = {};
     twice_area_vector = cross(a, b);
     const V squared = dot(twice_area_vector, twice_area_vector);
@@ -44,9 +44,12 @@ struct Fan {
     const V zero = {};
     twice_area_vector = normal = {zero, zero, zero};
     twice_area = inverse = zero;
-    absent = ~Mask<Real>{};
+    absent = ~typename Traits<V>::Mask{};
   }
 };
+
+template <class Real>
+using Fan = FanOf<Lanes<Real>>;
 
 /// λ and the weight beyond it, for |H_e| in stored units.
 template <class Real>
@@ -159,7 +162,7 @@ FAIRWAY_INLINE Vectors<Real> smoothed_curvature(const KernelMesh<Real>& mesh,
   const auto angle = [&](const Vectors<Real>& a, const Vectors<Real>& b) {
     const Vectors<Real> n = cross(a, b);
     const V squared = dot(n, n);
-    return select(squared > least, angle_of<Real>(square_root(squared), dot(a, b)), zero);
+    return select(squared > least, angle_of(square_root(squared), dot(a, b)), zero);
   };
   Vectors<Real> sum = {};
   V weights = {};
@@ -192,7 +195,7 @@ FAIRWAY_INLINE Vectors<Real> smoothed_curvature(const KernelMesh<Real>& mesh,
   const Vectors<Real> own_h = own_quads(fields.curvature, slice).xyz;
   const Mask<Real> any = weights > zero;
   const Vectors<Real> mean = sum * (1 / weights);
-  return select<Real>(any, (own_h + mean) * all(static_cast<Real>(0.5)), own_h);
+  return select(any, (own_h + mean) * all(static_cast<Real>(0.5)), own_h);
 }
 
 template <class Real>
@@ -210,7 +213,7 @@ void direct(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
     const V size = square_root(dot(smoothed, smoothed));
     const Mask<Real> takes = mask_of<Real>(features[slice]) & (size >= kNoDirection);
     const V inverse = 1 / select(dot(smoothed, volume.xyz) < 0, -size, size);
-    store_quads(out, select<Real>(takes, smoothed * inverse, volume.xyz), volume.w);
+    store_quads(out, select(takes, smoothed * inverse, volume.xyz), volume.w);
   }
 }
 

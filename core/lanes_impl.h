@@ -93,6 +93,25 @@ using Lanes = std::conditional_t<std::is_same_v<Real, float>, EightFloats, Eight
 template <class Real>
 using Mask = std::conditional_t<std::is_same_v<Real, float>, EightInts, EightLongs>;
 
+/// The mask and the scalar that go with some lanes.
+template <class V>
+struct Traits;
+template <>
+struct Traits<EightFloats> {
+  using Mask = EightInts;
+  using Scalar = float;
+};
+template <>
+struct Traits<EightDoubles> {
+  using Mask = EightLongs;
+  using Scalar = double;
+};
+template <>
+struct Traits<FourDoubles> {
+  using Mask = FourLongs;
+  using Scalar = double;
+};
+
 /// a where the mask is set, b elsewhere.
 FAIRWAY_INLINE EightFloats select(EightInts mask, EightFloats a, EightFloats b) {
   return mask ? a : b;
@@ -138,6 +157,23 @@ FAIRWAY_INLINE unsigned bits_of(EightInts m) {
 #endif
 }
 
+FAIRWAY_INLINE FourDoubles select(FourLongs mask, FourDoubles a, FourDoubles b) {
+  return mask ? a : b;
+}
+FAIRWAY_INLINE FourLongs bits_as_mask(FourDoubles a) {
+  return (FourLongs)a;
+}
+FAIRWAY_INLINE FourDoubles bits_as_numbers(FourLongs a) {
+  return (FourDoubles)a;
+}
+FAIRWAY_INLINE FourDoubles square_root(FourDoubles a) {
+#ifdef __AVX__
+  return (FourDoubles)_mm256_sqrt_pd((__m256d)a);
+#else
+  for (int i = 0; i < 4; ++i) a[i] = __builtin_sqrt(a[i]);
+  return a;
+#endif
+}
 #ifdef __AVX512F__
 FAIRWAY_INLINE EightDoubles select(EightLongs mask, EightDoubles a, EightDoubles b) {
   return mask ? a : b;
@@ -170,14 +206,6 @@ FAIRWAY_INLINE EightLongs bits_as_mask(EightDoubles a) {
 }
 FAIRWAY_INLINE EightDoubles bits_as_numbers(EightLongs a) {
   return {(FourDoubles)a.low, (FourDoubles)a.high};
-}
-FAIRWAY_INLINE FourDoubles square_root(FourDoubles a) {
-#ifdef __AVX__
-  return (FourDoubles)_mm256_sqrt_pd((__m256d)a);
-#else
-  for (int i = 0; i < 4; ++i) a[i] = __builtin_sqrt(a[i]);
-  return a;
-#endif
 }
 FAIRWAY_INLINE EightDoubles square_root(EightDoubles a) {
   return {square_root(a.low), square_root(a.high)};
@@ -244,6 +272,9 @@ FAIRWAY_INLINE Mask<Real> mask_of(unsigned bits) {
 FAIRWAY_INLINE EightFloats magnitude(EightFloats a) {
   return bits_as_numbers(bits_as_mask(a) & 0x7FFFFFFF);
 }
+FAIRWAY_INLINE FourDoubles magnitude(FourDoubles a) {
+  return bits_as_numbers(bits_as_mask(a) & 0x7FFFFFFFFFFFFFFF);
+}
 FAIRWAY_INLINE EightDoubles magnitude(EightDoubles a) {
   return bits_as_numbers(bits_as_mask(a) & 0x7FFFFFFFFFFFFFFF);
 }
@@ -269,27 +300,33 @@ class LargestMagnitude {
   Mask<Real> most_ = {};
 };
 
-/// Eight vectors.
-template <class Real>
-struct Vectors {
-  using V = Lanes<Real>;
+/// Vectors side by side.
+template <class V>
+struct VectorsOf {
   V x, y, z;
 
-  FAIRWAY_INLINE Vectors operator+(const Vectors& b) const { return {x + b.x, y + b.y, z + b.z}; }
-  FAIRWAY_INLINE Vectors operator-(const Vectors& b) const { return {x - b.x, y - b.y, z - b.z}; }
-  FAIRWAY_INLINE Vectors operator*(V s) const { return {x * s, y * s, z * s}; }
+  FAIRWAY_INLINE VectorsOf operator+(const VectorsOf& b) const {
+    return {x + b.x, y + b.y, z + b.z};
+  }
+  FAIRWAY_INLINE VectorsOf operator-(const VectorsOf& b) const {
+    return {x - b.x, y - b.y, z - b.z};
+  }
+  FAIRWAY_INLINE VectorsOf operator*(V s) const { return {x * s, y * s, z * s}; }
 };
 template <class Real>
-FAIRWAY_INLINE Lanes<Real> dot(const Vectors<Real>& a, const Vectors<Real>& b) {
+using Vectors = VectorsOf<Lanes<Real>>;
+
+template <class V>
+FAIRWAY_INLINE V dot(const VectorsOf<V>& a, const VectorsOf<V>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-template <class Real>
-FAIRWAY_INLINE Vectors<Real> cross(const Vectors<Real>& a, const Vectors<Real>& b) {
+template <class V>
+FAIRWAY_INLINE VectorsOf<V> cross(const VectorsOf<V>& a, const VectorsOf<V>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-template <class Real>
-FAIRWAY_INLINE Vectors<Real> select(Mask<Real> mask, const Vectors<Real>& a,
-                                    const Vectors<Real>& b) {
+template <class V>
+FAIRWAY_INLINE VectorsOf<V> select(typename Traits<V>::Mask mask, const VectorsOf<V>& a,
+                                   const VectorsOf<V>& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
@@ -302,7 +339,8 @@ FAIRWAY_INLINE EightFloats arctangent_ratio(EightFloats z) {
   for (int i = 4; i >= 0; --i) sum = sum * z + c[i];
   return sum;
 }
-FAIRWAY_INLINE EightDoubles arctangent_ratio(EightDoubles z) {
+template <class V>
+FAIRWAY_INLINE V arctangent_ratio(V z) {
   constexpr double c[] = {1.0,
                           -0.33333333333333143,
                           0.199999999999463,
@@ -315,23 +353,24 @@ FAIRWAY_INLINE EightDoubles arctangent_ratio(EightDoubles z) {
                           -0.050383047495815569,
                           0.038042041250864196,
                           -0.017884926189723441};
-  EightDoubles sum = all(c[11]);
+  V sum = V{} + c[11];
   for (int i = 10; i >= 0; --i) sum = sum * z + c[i];
   return sum;
 }
 
 /// The angle in [0, π] whose sine and cosine stand in the ratio of `sine` ≥ 0 and `cosine`; 0 where
 /// both vanish.
-template <class Real>
-FAIRWAY_INLINE Lanes<Real> angle_of(Lanes<Real> sine, Lanes<Real> cosine) {
-  using V = Lanes<Real>;
+template <class V>
+FAIRWAY_INLINE V angle_of(V sine, V cosine) {
+  using Real = typename Traits<V>::Scalar;
+  using Mask = typename Traits<V>::Mask;
   constexpr Real kPi = static_cast<Real>(3.14159265358979323846);
   constexpr Real kTangentOfEighth = static_cast<Real>(0.41421356237309504880);
   const V x = magnitude(cosine);
-  const Mask<Real> steep = sine > x;
+  const Mask steep = sine > x;
   const V small = select(steep, x, sine);
   const V large = select(steep, sine, x);
-  const Mask<Real> beyond = small > large * kTangentOfEighth;
+  const Mask beyond = small > large * kTangentOfEighth;
   const V over = select(beyond, small - large, small);
   const V under = select(beyond, small + large, large);
   const V zero = {};

@@ -138,7 +138,7 @@ struct TornRing {
     const V zero = {};
     const Mask<Real> torn = left.absent | right.absent;
     const Vectors<Real> term =
-        select<Real>(torn, {zero, zero, zero}, cross(e, left.normal - right.normal));
+        select(torn, Vectors<Real>{zero, zero, zero}, cross(e, left.normal - right.normal));
     curvature = curvature + term;
     return static_cast<std::uint8_t>(bits_of(dot(term, term) > lambda_squared));
   }
