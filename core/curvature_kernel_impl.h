@@ -120,11 +120,44 @@ FAIRWAY_INLINE Numbers mixed_share(Numbers aa, Numbers bb, Numbers ab, const Tri
   return select(ab < zero, face.twice_area * 0.25, share);
 }
 
+/// A sum of angles in [0, π], given by cosines and sines times any factor; two share one
+/// arctangent, as a product of complex numbers.
+class AngleSum {
+ public:
+  FAIRWAY_INLINE void add(Numbers cosine, Numbers sine) {
+    if (waiting_) {
+      sum_ += angle_of_two(cosine, sine);
+    } else {
+      cosine_ = cosine;
+      sine_ = sine;
+    }
+    waiting_ = !waiting_;
+  }
+  FAIRWAY_INLINE Numbers value() const { return waiting_ ? sum_ + angle_of(sine_, cosine_) : sum_; }
+
+ private:
+  FAIRWAY_INLINE Numbers angle_of_two(Numbers cosine, Numbers sine) const {
+    constexpr double kTwoPi = 6.28318530717958647692;
+    const Numbers zero = {};
+    const Numbers real = cosine_ * cosine - sine_ * sine;
+    const Numbers imaginary = cosine_ * sine + sine_ * cosine;
+    const Numbers angle = angle_of(magnitude(imaginary), real);
+    // Two obtuse angles make a reflex one, two others do not, whatever rounding says.
+    const Flags obtuse = (cosine_ < zero) & (cosine < zero);
+    const Flags acute = (cosine_ >= zero) & (cosine >= zero);
+    const Flags reflex = obtuse | ((imaginary < zero) & ~acute);
+    return select(reflex, kTwoPi - angle, angle);
+  }
+
+  Numbers sum_ = {}, cosine_ = {}, sine_ = {};
+  bool waiting_ = false;
+};
+
 /// What the first round over the rings finds.
 struct RingTotals {
   Directions area_vector = {};
-  Numbers area = {};    ///< mixed
-  Numbers angles = {};  ///< at the vertex
+  Numbers area = {};  ///< mixed
+  AngleSum angles;    ///< at the vertex
 };
 
 FAIRWAY_INLINE RingTotals first_round(const RingView& rings, const SomeRings& some,
@@ -149,7 +182,7 @@ FAIRWAY_INLINE RingTotals first_round(const RingView& rings, const SomeRings& so
     last.absent = (ends & entry.absent) | (~ends & last.absent);
     totals.area_vector = totals.area_vector + face.normal * face.twice_area;
     totals.area += select(face.absent, zero, mixed_share(aa, bb, ab, face));
-    totals.angles += select(face.absent, zero, angle_of(face.twice_area, ab));
+    totals.angles.add(select(face.absent, zero + 1.0, ab), face.twice_area);
     a = b;
     aa = bb;
   }
@@ -235,8 +268,9 @@ FAIRWAY_INLINE void finish(const SomeRings& some, const RingTotals& totals, cons
       select((totals.area > zero) & has_normal, per_length / totals.area, zero);
   const Numbers k1 = (mean + radius) * per_area;
   const Numbers k2 = (mean - radius) * per_area;
-  const Numbers defect = select(some.open | (totals.area <= zero), zero,
-                                (kTwoPi - totals.angles) / totals.area * (per_length * per_length));
+  const Numbers defect =
+      select(some.open | (totals.area <= zero), zero,
+             (kTwoPi - totals.angles.value()) / totals.area * (per_length * per_length));
   const Numbers predominant = select(magnitude(k1) >= magnitude(k2), k1, k2);
   const Directions none = {zero, zero, zero};
   write(some, count, out, {k1, k2, 0.5 * (k1 + k2), defect, predominant},
