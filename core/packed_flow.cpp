@@ -30,6 +30,8 @@ constexpr std::size_t kDoubleVertices = 20'000;
 constexpr double kFolded = 3.0;
 constexpr double kMedianOfNormal = 0.6745;
 constexpr double kEdgesAtOnce = 8.0;
+// In mean edges: below it every edge is strong, and 1 / λ² must stay a number.
+constexpr double kLeastLambda = 1e-12;
 
 /// Everything but a lumped explicit step solves a linear system.
 bool solves_system(const FlowOptions& options) {
@@ -251,8 +253,9 @@ double Flow<Real>::displacement() {
 template <class Real>
 StepNumbers<Real> Flow<Real>::step_numbers(double lambda, double time_step) const {
   return {.time_step = static_cast<Real>(time_step),
-          .lambda = is_anisotropic(options_.method) ? static_cast<Real>(lambda)
-                                                    : std::numeric_limits<Real>::infinity(),
+          .lambda = is_anisotropic(options_.method)
+                        ? static_cast<Real>(std::max(lambda, kLeastLambda))
+                        : std::numeric_limits<Real>::infinity(),
           .transition = static_cast<Real>(options_.transition),
           .local_step = options_.guards.local_step,
           .prescribed = is_prescribed(options_.method),

@@ -28,10 +28,10 @@
 namespace fairway::bench {
 namespace {
 
-/// A noisy torus of about n vertices.
-IndexedMesh synthetic(std::size_t n) {
+/// A torus of about n vertices with noise of so many mean edges.
+IndexedMesh synthetic(std::size_t n, double noise) {
   const auto tube = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(n) / 2.0)));
-  return with_normal_noise(torus(2 * tube, tube, 1.0, 0.4), 0.2, 1);
+  return with_normal_noise(torus(2 * tube, tube, 1.0, 0.4), noise, 1);
 }
 
 IndexedMesh shuffled(const IndexedMesh& mesh) {
@@ -203,11 +203,13 @@ int main(int argc, char** argv) {
   app.add_flag("--json", settings.json, "One JSON line per case");
   app.add_option("--threads", settings.threads, "Threads of the kernels")->capture_default_str();
   app.add_option("--isa", settings.isa, "portable, avx2 or avx512")->capture_default_str();
+  app.add_option("--noise", settings.noise, "Noise of the meshes, in mean edges")
+      ->capture_default_str();
   app.add_option("--sizes", settings.sizes, "Numbers of vertices")->delimiter(',');
   CLI11_PARSE(app, argc, argv);
   const fairway::bench::Report report(settings);
   for (const std::size_t size : settings.sizes) {
-    const fairway::IndexedMesh natural = fairway::bench::synthetic(size);
+    const fairway::IndexedMesh natural = fairway::bench::synthetic(size, settings.noise);
     fairway::bench::Bench(settings, report, natural, "natural").run();
     const fairway::IndexedMesh random = fairway::bench::shuffled(natural);
     fairway::bench::Bench(settings, report, random, "shuffled").run();

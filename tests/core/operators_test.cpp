@@ -161,6 +161,22 @@ TEST_CASE("small groups of strong edges are noise, large ones features") {
   CHECK(large.vertex[100] == 0);
 }
 
+TEST_CASE("unfolding leaves shapes alone whose own edges are sharper than 120 degrees") {
+  IndexedMesh source;
+  SECTION("the corner of a cube, cut off") {
+    source.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    source.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  }
+  SECTION("a blade") {
+    source = octahedron(20);
+    for (Vec3& p : source.positions) p.z() *= 0.18;
+  }
+  const TriangleMesh mesh = *TriangleMesh::build(source);
+  std::vector<Vec3> x = mesh.positions();
+  CHECK(unfold(mesh, std::vector<unsigned char>(x.size()), x) == 0);
+  CHECK(x == mesh.positions());
+}
+
 TEST_CASE("unfolding straightens a folded vertex and leaves the boundary alone") {
   IndexedMesh source = sheet(6);
   source.positions[24] += Vec3(0.9, 0.0, 0.05);
