@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <limits>
 
 namespace fairway {
 namespace {
 
-constexpr std::int32_t kLarge = std::numeric_limits<std::int32_t>::min();
+constexpr std::int32_t kLarge = -(1 << 30);  // two of them still fit
 constexpr std::int32_t kAlone = -1;
 // Edges that are visited at a time.
 constexpr std::size_t kBlock = 1024;
@@ -77,32 +76,31 @@ class EdgeBlock {
 
 }  // namespace
 
+/// Most ways are short: some steps without a branch, which would be foretold wrongly.
 Index StrongGroups::root(Index slot) const {
+  for (int hop = 0; hop < 2; ++hop) {
+    slot = parent_[slot] >= 0 ? static_cast<Index>(parent_[slot]) : slot;
+  }
   while (parent_[slot] >= 0) slot = static_cast<Index>(parent_[slot]);
   return slot;
 }
 
-/// Also shortens the way to a group that is large.
-Index StrongGroups::root(Index slot) {
-  const Index r = static_cast<const StrongGroups*>(this)->root(slot);
-  if (parent_[r] == kLarge) parent_[slot] = kLarge;
-  return r;
-}
-
+/// Without branches on what the groups are like: on noise they would be foretold wrongly.
 void StrongGroups::join(Index p, Index q) {
   if (parent_[p] == kLarge && parent_[q] == kLarge) return;
   const Index a = root(p);
   const Index b = root(q);
-  std::int32_t& at_a = parent_[a];
-  std::int32_t& at_b = parent_[b];
-  if (at_a == kLarge || at_b == kLarge || (a != b && at_a + at_b <= least_)) {
-    at_a = at_b = kLarge;
-  } else if (a != b) {
-    const bool under_a = at_a < at_b;
-    const std::int32_t sum = at_a + at_b;
-    (under_a ? at_b : at_a) = static_cast<std::int32_t>(under_a ? a : b);
-    (under_a ? at_a : at_b) = sum;
-  }
+  const std::int32_t at_a = parent_[a];
+  const std::int32_t at_b = parent_[b];
+  const bool same = a == b;
+  const bool large = at_a == kLarge || at_b == kLarge || (!same && at_a + at_b <= least_);
+  const bool under_a = at_a < at_b;
+  const std::int32_t new_a = same ? at_a : under_a ? at_a + at_b : static_cast<std::int32_t>(b);
+  const std::int32_t new_b = same ? at_b : under_a ? static_cast<std::int32_t>(a) : at_a + at_b;
+  parent_[a] = large ? kLarge : new_a;
+  parent_[b] = large ? kLarge : new_b;
+  parent_[p] = large ? kLarge : parent_[p];
+  parent_[q] = large ? kLarge : parent_[q];
 }
 
 /// The lanes of a slice that belong to large groups.
@@ -113,12 +111,7 @@ std::uint8_t StrongGroups::large_lanes(Index slice) const {
   if (!met) return 0;
   unsigned lanes = 0;
   for (Index lane = 0; lane < kLanes; ++lane) {
-    // Most ways are short: some steps without a branch, which would be foretold wrongly.
-    Index slot = kLanes * slice + lane;
-    for (int hop = 0; hop < 3; ++hop) {
-      slot = parent_[slot] >= 0 ? static_cast<Index>(parent_[slot]) : slot;
-    }
-    lanes |= (parent_[root(slot)] == kLarge ? 1U : 0U) << lane;
+    lanes |= (parent_[root(kLanes * slice + lane)] == kLarge ? 1U : 0U) << lane;
   }
   return static_cast<std::uint8_t>(lanes);
 }

@@ -23,7 +23,6 @@ class StrongGroups {
   std::size_t bytes() const { return parent_.capacity() * sizeof(std::int32_t); }
 
  private:
-  Index root(Index slot);
   Index root(Index slot) const;
   void join(Index p, Index q);
   std::uint8_t large_lanes(Index slice) const;
