@@ -127,14 +127,14 @@ void weaken(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
 
 template <class Real>
 Real weaken_moved(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
-                  const StrongEdges& edges, const Real* factor, Stored<Real>* out) {
+                  const StrongEdges& edges, Stored<Real>* out) {
   const Threshold<Real> threshold(numbers, mesh.quantum);
   LargestMagnitude<Real> largest;
   for (std::size_t first = 0; first < edges.count; first += kLanes) {
     const std::size_t some = std::min<std::size_t>(kLanes, edges.count - first);
     const Vectors<Real> excess = excess_of(mesh, threshold, edges, first);
     for (const Index* ends : {edges.p + first, edges.q + first}) {
-      const Vectors<Real> by = excess * gather_values(factor, ends);
+      const Vectors<Real> by = excess * gather_w(out, ends);
       for (const Lanes<Real>& c : {by.x, by.y, by.z}) largest.see(c);
       alignas(64) Stored<Real> stored[kLanes];
       store_rounded(stored, by);

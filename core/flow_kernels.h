@@ -45,7 +45,7 @@ template <class Real>
 struct KernelFields {
   Quad<Real>* curvature;  ///< H_A, and in w the factor c of the step: p ← p − c (…)
   Quad<Real>* direction;  ///< ∇vol, later V_A at feature vertices; in w 1 / M_pp
-  Real* value;            ///< f, signed, its lowest bit says "feature vertex"; or the factor c
+  Real* value;            ///< f, signed, its lowest bit says "feature vertex"
   std::uint8_t* strong;   ///< per column, a bit per lane: |H_e| > λ
 };
 
@@ -98,16 +98,16 @@ struct FlowKernels {
   /// Fills the fields: H (weights 1), c, ∇vol, f of a non-feature vertex, strong edges.
   void (*curvature)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
                     Index first, Index last);
-  /// p − c H into `out`, weights 1, c into the values, strong edges. Returns like `move`.
+  /// p − c H into `out`, weights 1, the bits of c into its w; strong edges. Returns like `move`.
   Real (*contract)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
                    Index first, Index last, Position* out);
   /// Gives strong edges their weight: takes ½ (1 − w) H_e N_e from H_A at both ends.
   void (*weaken)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdges&,
                  Quad<Real>* curvature);
-  /// The same after `contract`, whose `out` and c this takes. Returns the largest component of what
+  /// The same after `contract`, whose `out` this takes. Returns the largest component of what
   /// an edge moved a vertex by, in stored units.
   Real (*weaken_moved)(const KernelMesh<Real>&, const StepNumbers<Real>&, const StrongEdges&,
-                       const Real* factor, Position* out);
+                       Position* out);
   /// V_A at the feature vertices, a bit per lane in `features`, one byte per slice.
   void (*direct)(const KernelMesh<Real>&, const StepNumbers<Real>&, const KernelFields<Real>&,
                  const std::uint8_t* features, Index first, Index last);

@@ -68,8 +68,7 @@ Real contract(const KernelMesh<Real>& mesh, const StepNumbers<Real>& numbers,
     const std::size_t slot = kLanes * std::size_t{slice};
     const auto use = [&](const auto& sums) FAIRWAY_LAMBDA {
       const Lanes<Real> factor = step_factor(sums, numbers, mesh.quantum);
-      store(fields.value + slot, factor);
-      store_moved(out + slot, p, sums.curvature * (factor / 2), largest);
+      store_moved(out + slot, p, sums.curvature * (factor / 2), factor, largest);
     };
     with_ring_sums<Real, false>(mesh, threshold, slice, p, fields.strong, use);
   }
@@ -183,7 +182,8 @@ Real move(const KernelMesh<Real>& mesh, const MoveNumbers<Real>& numbers,
                                                  : load(fields.value + slot);
       by = by - own_quads(fields.direction, slice).xyz * f;
     }
-    store_moved(out + slot, own<Real>(mesh.positions, slice), by * (h.w * per_quantum), largest);
+    store_moved(out + slot, own<Real>(mesh.positions, slice), by * (h.w * per_quantum),
+                Lanes<Real>{}, largest);
   }
   return largest.value();
 }

@@ -235,8 +235,9 @@ FAIRWAY_INLINE EightInts less(EightInts a, EightInts b) {
   return (EightInts)((Unsigned)a - (Unsigned)b);
 }
 
-FAIRWAY_INLINE void store_ints(Stored<float>* out, EightInts x, EightInts y, EightInts z) {
-  store_fours(out, bits_as_numbers(x), bits_as_numbers(y), bits_as_numbers(z), EightFloats{});
+FAIRWAY_INLINE void store_ints(Stored<float>* out, EightInts x, EightInts y, EightInts z,
+                               EightFloats w = EightFloats{}) {
+  store_fours(out, bits_as_numbers(x), bits_as_numbers(y), bits_as_numbers(z), w);
 }
 
 /// Eight displacements in stored units.
@@ -257,24 +258,35 @@ FAIRWAY_INLINE void add(Stored<float>& p, const Stored<float>& by) {
   std::memcpy(&p, &a, sizeof a);
 }
 FAIRWAY_INLINE void add(Stored<double>& p, const Stored<double>& by) {
-  p = {p.x + by.x, p.y + by.y, p.z + by.z, 0};
+  p = {p.x + by.x, p.y + by.y, p.z + by.z, p.w};
 }
 
-/// p − by, in stored units, into eight slots.
+/// p − by, in stored units, into eight slots, and the bits of w.
 FAIRWAY_INLINE void store_moved(Stored<float>* out, const Gathered<float>& p,
-                                const Vectors<float>& by, LargestMagnitude<float>& largest) {
+                                const Vectors<float>& by, EightFloats w,
+                                LargestMagnitude<float>& largest) {
   largest.see(__builtin_convertvector(p.x, EightFloats) - by.x);
   largest.see(__builtin_convertvector(p.y, EightFloats) - by.y);
   largest.see(__builtin_convertvector(p.z, EightFloats) - by.z);
-  store_ints(out, less(p.x, rounded(by.x)), less(p.y, rounded(by.y)), less(p.z, rounded(by.z)));
+  store_ints(out, less(p.x, rounded(by.x)), less(p.y, rounded(by.y)), less(p.z, rounded(by.z)), w);
 }
 FAIRWAY_INLINE void store_moved(Stored<double>* out, const Gathered<double>& p,
-                                const Vectors<double>& by, LargestMagnitude<double>& largest) {
+                                const Vectors<double>& by, EightDoubles w,
+                                LargestMagnitude<double>& largest) {
   const Vectors<double> to = {p.x - by.x, p.y - by.y, p.z - by.z};
   largest.see(to.x);
   largest.see(to.y);
   largest.see(to.z);
-  store_quads(out, to, EightDoubles{});
+  store_quads(out, to, w);
+}
+
+/// The w of eight slots as store_moved() left them.
+FAIRWAY_INLINE EightFloats gather_w(const Stored<float>* quads, const Index* slots) {
+  const auto w = [&](int i) FAIRWAY_LAMBDA { return quads[slots[i]].w; };
+  return bits_as_numbers(EightInts{w(0), w(1), w(2), w(3), w(4), w(5), w(6), w(7)});
+}
+FAIRWAY_INLINE EightDoubles gather_w(const Stored<double>* quads, const Index* slots) {
+  return gather(quads, slots).w;
 }
 
 /// The lowest bit of f says "feature vertex": that bit alone, or f without it.

@@ -132,7 +132,6 @@ Flow<Real>::Flow(const TriangleMesh& mesh, std::span<const Vec3> positions, doub
   const std::size_t slots = packed_.slot_count();
   x_.resize(slots, {});
   next_.resize(slots);
-  value_.resize(slots);
   strong_.resize(packed_.column_count() + PackedMesh::kPadding);
   const double scale = 1.0 / (mean_edge * quantum_);
   for (std::size_t slot = 0; slot < slots; ++slot) {
@@ -176,7 +175,9 @@ PackedFlow::Bends Flow<Real>::bends(bool sampled) {
 template <class Real>
 void Flow<Real>::make_fields(bool prescribed) {
   curvature_.resize(packed_.slot_count());
-  if (prescribed) direction_.resize(packed_.slot_count());
+  if (!prescribed) return;
+  direction_.resize(packed_.slot_count());
+  value_.resize(packed_.slot_count());
 }
 
 template <class Real>
@@ -348,15 +349,15 @@ double Flow<Real>::contract(const StepNumbers<Real>& numbers, double bound) {
   });
   for (const Index slot : held_) {
     next_[slot] = x_[slot];
-    value_[slot] = 0;
+    next_[slot].w = 0;
   }
   if (!is_anisotropic(options_.method) || !(largest <= bound)) return largest;
   find_features();
   double most = 0.0;
   for_feature_edges(packed_, strong_, features_, [&](const StrongEdges& edges) {
-    most = larger(static_cast<double>(kernels_.weaken_moved(kernel_mesh(), numbers, edges,
-                                                            value_.data(), next_.data())),
-                  most);
+    most = larger(
+        static_cast<double>(kernels_.weaken_moved(kernel_mesh(), numbers, edges, next_.data())),
+        most);
   });
   // Rather too large than too small: by several edges of a vertex at once.
   largest += kEdgesAtOnce * most * quantum_;
