@@ -39,6 +39,7 @@ struct PlainFlow::State {
         direction(mesh, "direction"),
         value(mesh, "value"),
         averaged(mesh, "averaged"),
+        star(mesh, "star"),
         feature(mesh, "feature") {}
 
   void faces() {
@@ -74,12 +75,7 @@ struct PlainFlow::State {
     return sum;
   }
 
-  Point volume_gradient(OpenMesh::SmartVertexHandle v) const {
-    Point sum(0, 0, 0);
-    for (const auto f : v.faces()) sum += mesh.normal(f) * (area[f] / 3.0);
-    return sum;
-  }
-
+  /// H_A, ∇vol, star areas and feature vertices.
   void curvatures(double lambda) {
     for (const auto v : mesh.vertices()) {
       Point sum(0, 0, 0);
@@ -90,6 +86,14 @@ struct PlainFlow::State {
       }
       curvature[v] = sum * 0.5;
       feature[v] = strong;
+      Point volume(0, 0, 0);
+      double areas = 0.0;
+      for (const auto f : v.faces()) {
+        volume += mesh.normal(f) * (area[f] / 3.0);
+        areas += area[f];
+      }
+      direction[v] = volume;
+      star[v] = areas;
     }
   }
 
@@ -117,7 +121,7 @@ struct PlainFlow::State {
 
   void prescribe() {
     for (const auto v : mesh.vertices()) {
-      Point d = volume_gradient(v);
+      Point d = direction[v];
       if (feature[v]) {
         const Point s = smoothed(v);
         const double length = s.norm();
@@ -148,6 +152,7 @@ struct PlainFlow::State {
   OpenMesh::VProp<Point> direction;
   OpenMesh::VProp<double> value;
   OpenMesh::VProp<double> averaged;
+  OpenMesh::VProp<double> star;
   OpenMesh::VProp<bool> feature;
 };
 
@@ -176,10 +181,9 @@ void PlainFlow::pmc_step(double lambda, double s) {
   now.curvatures(lambda);
   now.prescribe();
   for (const auto v : now.mesh.vertices()) {
-    const double star = now.star_area(v);
-    if (star <= 0.0) continue;
+    if (now.star[v] <= 0.0) continue;
     const Point velocity = now.curvature[v] - now.direction[v] * now.averaged[v];
-    now.mesh.set_point(v, now.mesh.point(v) - velocity * (3.0 * s / star));
+    now.mesh.set_point(v, now.mesh.point(v) - velocity * (3.0 * s / now.star[v]));
   }
 }
 
