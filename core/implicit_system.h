@@ -7,6 +7,7 @@
 #include "core/flow_kernels.h"
 #include "core/flow_options.h"
 #include "core/packed_mesh.h"
+#include "core/system_kernels.h"
 #include "core/thread_team.h"
 
 namespace fairway {
@@ -14,16 +15,17 @@ namespace fairway {
 /// How the solution of one linear system went.
 struct SolverReport {
   int iterations = 0;
-  double residual = 0.0;  ///< true relative residual |b − A x| / |b|, largest of the three columns
+  double residual = 0.0;  ///< true relative residual |b − A x| / |b|, largest of the three columns;
+                          ///< NaN if one of them is
   bool converged = false;
 };
 
 /// M + s K_A on a packed surface, eqs. (12), (13), in units of the mean edge: nonsymmetric, one row
 /// per slot over its ring. Solved for three right-hand sides at once by BiCGSTAB with a Jacobi
-/// preconditioner. Kept between steps for its memory.
+/// preconditioner: rows are stored divided by their diagonal. Kept between steps for its memory.
 class ImplicitSystem {
  public:
-  ImplicitSystem(const PackedMesh& mesh, ThreadTeam& team) : mesh_(mesh), team_(team) {}
+  ImplicitSystem(const PackedMesh& mesh, ThreadTeam& team, Isa isa);
 
   struct Numbers {
     double time_step;  ///< s; 0 leaves the mass matrix alone
@@ -41,23 +43,23 @@ class ImplicitSystem {
   SolverReport solve(std::span<const Quad<double>> b, double tolerance, int most_iterations,
                      std::vector<Quad<double>>& x);
 
-  /// The matrix as assembled: per slot, and per entry of the packed ring.
+  /// The matrix as assembled: a_pp per slot, and a_pq / a_pp per entry of the packed ring.
   std::span<const double> diagonal() const { return diagonal_; }
   std::span<const double> coefficients() const { return coefficients_; }
 
  private:
   using Vectors = std::vector<Quad<double>>;
 
-  void assemble_slot(std::span<const Quad<double>> x, std::span<const std::uint8_t> strong,
-                     const Numbers& numbers, Index slot);
-  void multiply(const Vectors& x, Vectors& out) const;
-  double true_residual(std::span<const Quad<double>> b, const Vectors& x);
+  template <class Kernel>
+  SolverSums sum_over(const Kernel& kernel);
 
   const PackedMesh& mesh_;
   ThreadTeam& team_;
+  const SystemKernels& kernels_;
   std::vector<double> diagonal_;      // per slot; 1 for fillers and held slots
-  std::vector<double> coefficients_;  // per ring entry
-  Vectors r_, shadow_, p_, v_, s_, t_, y_, z_;
+  std::vector<double> coefficients_;  // per ring entry, divided by the diagonal
+  Vectors r_, shadow_, p_, v_, t_;    // see SolverVectors
+  std::vector<SolverSums> parts_;     // per range
 };
 
 }  // namespace fairway

@@ -99,6 +99,7 @@ class Flow final : public PackedFlow {
 
   PackedMesh packed_;
   const FlowOptions options_;
+  const Isa isa_;
   const FlowKernels<Real>& kernels_;
   ThreadTeam team_;
   double mean_edge_;
@@ -121,7 +122,8 @@ Flow<Real>::Flow(const TriangleMesh& mesh, std::span<const Vec3> positions, doub
                  const Execution& execution)
     : packed_(mesh),
       options_(options),
-      kernels_(flow_kernels<Real>(execution.isa)),
+      isa_(execution.isa),
+      kernels_(flow_kernels<Real>(isa_)),
       team_(execution.threads),
       mean_edge_(mean_edge) {
   if constexpr (std::is_same_v<Real, float>) {
@@ -436,7 +438,7 @@ PackedFlow::Outcome Flow<Real>::solve_step(const StepNumbers<Real>& numbers, dou
         for (Index k = 0; k < slice.valence; ++k) strong_[slice.columns + k] &= features_[s];
       }
     }
-    if (!system_) system_.emplace(packed_, team_);
+    if (!system_) system_.emplace(packed_, team_, isa_);
     Outcome outcome = system_->solve(x_, velocity, strong_, held_, numbers, options_);
     if (!outcome.solved) return outcome;
     const std::span<const Quad<double>> delta = system_->displacement();

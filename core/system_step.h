@@ -18,7 +18,7 @@ namespace fairway {
 /// between steps for its memory.
 class SystemStep {
  public:
-  SystemStep(const PackedMesh& mesh, ThreadTeam& team) : system_(mesh, team) {}
+  SystemStep(const PackedMesh& mesh, ThreadTeam& team, Isa isa) : system_(mesh, team, isa) {}
 
   /// `velocity`: H_A − f̃ V_A per slot on the surface `x`, in L, 0 at `held` slots and fillers;
   /// `strong`: edges with the weight w. Fills displacement(). A system that is not solved is tried

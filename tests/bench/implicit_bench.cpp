@@ -30,7 +30,7 @@ class Step {
       : packed_(mesh),
         team_(execution.threads),
         kernels_(flow_kernels<double>(execution.isa)),
-        system_(packed_, team_),
+        system_(packed_, team_, execution.isa),
         x_(packed_.slot_count()),
         h_(x_.size()),
         b_(x_.size()),
@@ -67,7 +67,8 @@ class Step {
       if (packed_.vertex_of_slot()[slot] == kNoIndex) continue;
       for (Index k = 0; k < slice.valence; ++k) {
         const std::size_t at = kLanes * (std::size_t{slice.columns} + k) + slot % kLanes;
-        entries.emplace_back(slot, packed_.ring()[at], system_.coefficients()[at]);
+        entries.emplace_back(slot, packed_.ring()[at],
+                             system_.diagonal()[slot] * system_.coefficients()[at]);
       }
     }
     Matrix out(static_cast<Eigen::Index>(x_.size()), static_cast<Eigen::Index>(x_.size()));
