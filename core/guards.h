@@ -13,8 +13,8 @@ namespace fairway {
 /// Relaxes folded edges: at most 10 rounds in which the four vertices of each edge bent by more
 /// than 120° (boundary and `held` ones excepted) move half way to the mean of their neighbours.
 /// Edges that make a shape stay: a connected line of 12 vertices or more, or more than a tenth of
-/// all edges. `held` has one flag per vertex. Returns the number of rounds that moved something; changes
-/// `positions`.
+/// all edges. `held` has one flag per vertex. Returns the number of rounds that moved something;
+/// changes `positions`.
 int unfold(const TriangleMesh& mesh, std::span<const unsigned char> held,
            std::vector<Vec3>& positions);
 

@@ -13,6 +13,7 @@
 #include "core/fixed_point.h"
 #include "core/median.h"
 #include "core/packed_mesh.h"
+#include "core/packed_roughness.h"
 #include "core/strong_groups.h"
 #include "core/system_step.h"
 #include "core/thread_team.h"
@@ -198,31 +199,16 @@ double Flow<Real>::roughness() {
   numbers.prescribed = true;
   compute_curvature(numbers);
   // h = ⟨N, H⟩ / M.
-  std::vector<Real> h(packed_.slot_count());
+  std::vector<double> h(packed_.slot_count());
   for (std::size_t slot = 0; slot < h.size(); ++slot) {
     const Quad<Real>& v = direction_[slot];
     const Quad<Real>& c = curvature_[slot];
     const Real size = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-    h[slot] = size > 0 ? (c.x * v.x + c.y * v.y + c.z * v.z) / size * v.w : Real{0};
-  }
-  std::vector<double> magnitude;
-  std::vector<double> deviation;
-  for (std::size_t s = 0; s < packed_.slices().size(); ++s) {
-    const Slice& slice = packed_.slices()[s];
-    if (slice.open) continue;
-    for (std::size_t slot = kLanes * s; slot < kLanes * (s + 1); ++slot) {
-      if (packed_.vertex_of_slot()[slot] == kNoIndex) continue;
-      double sum = 0.0;
-      for (Index k = 0; k < slice.valence; ++k) {
-        sum += static_cast<double>(
-            h[packed_.ring()[kLanes * (std::size_t{slice.columns} + k) + slot % kLanes]]);
-      }
-      magnitude.push_back(std::abs(static_cast<double>(h[slot])));
-      deviation.push_back(std::abs(static_cast<double>(h[slot]) - sum / slice.valence));
+    if (size > 0) {
+      h[slot] = static_cast<double>((c.x * v.x + c.y * v.y + c.z * v.z) / size * v.w);
     }
   }
-  const double scale = median(magnitude);
-  return scale > 0.0 ? median(deviation) / scale : 0.0;
+  return roughness_of(packed_, h);
 }
 
 template <class Real>
