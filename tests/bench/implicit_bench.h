@@ -6,8 +6,9 @@
 
 namespace fairway::bench {
 
-/// One semi-implicit AMC step, matrix and all, beside the mere solution of the same systems by
-/// Eigen's BiCGSTAB with a diagonal preconditioner, to the same true residual.
+/// One semi-implicit AMC step, from positions to displacements, beside putting the same entries
+/// into an Eigen matrix and solving by its BiCGSTAB with a diagonal preconditioner, to the same
+/// true residual.
 Times implicit_step(const TriangleMesh& mesh, double mean_edge, const Execution& execution,
                     int runs);
 
