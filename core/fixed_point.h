@@ -1,20 +1,21 @@
 #pragma once
 
-#include <span>
-
-#include "core/mesh.h"
-#include "core/triangle_mesh.h"
+#include <algorithm>
+#include <cmath>
 
 namespace fairway {
 
 /// One unit of a fixed-point coordinate, in mean edges L: 31 bits for coordinates up to `largest`
 /// L, with room for as much again.
-double fixed_point_unit(double largest);
+inline double fixed_point_unit(double largest) {
+  return std::exp2(std::ceil(std::log2(std::max(largest, 1.0))) + 1.0 - 31.0);
+}
 
-/// Whether fixed-point positions serve a surface of mean edge `mean_edge`: its extent and its
-/// thinnest faces are such that rounding moves nothing by 1e-4 L in ten steps. A face without area
-/// must stay one: rounding would give it a normal.
-bool fixed_point_serves(const TriangleMesh& mesh, std::span<const Vec3> positions,
-                        double mean_edge);
+/// Fixed-point positions serve a surface if rounding moves nothing by 1e-4 L in ten steps: its
+/// coordinates are at most so many L,
+inline constexpr double kLargestFixedPoint = 8192.0;
+/// and every face's height is at least so many units: its normal is known to about a tenth of a
+/// degree then, and a face without area stays one instead of getting a normal from rounding.
+inline constexpr double kLeastFixedPointHeight = 512.0;
 
 }  // namespace fairway

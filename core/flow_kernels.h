@@ -93,6 +93,8 @@ struct FlowKernels {
   /// |N0 − N1|² of each ring edge into `out`, 8 numbers per column from `out[0]` on for slice
   /// `first`; −1 at boundaries and beside absent faces.
   void (*bends)(const KernelMesh<Real>&, Index first, Index last, Real* out);
+  /// The least height of a face, in stored units.
+  Real (*least_height)(const KernelMesh<Real>&, Index first, Index last);
   /// Unit area-weighted normals into `out`, 8 per slice from `out[0]` on; 0 where there is none.
   void (*normals)(const KernelMesh<Real>&, Index first, Index last, Quad<Real>* out);
   /// Fills the fields: H (weights 1), c, ∇vol, f of a non-feature vertex, strong edges.

@@ -117,6 +117,38 @@ void bends(const KernelMesh<Real>& mesh, Index first, Index last, Real* out) {
 }
 
 template <class Real>
+Real least_height(const KernelMesh<Real>& mesh, Index first, Index last) {
+  constexpr Real kNone = static_cast<Real>(3e38);
+  Lanes<Real> least = all(kNone);
+  for (Index slice = first; slice < last; ++slice) {
+    const Slice& s = mesh.slices[slice];
+    const Index* column = mesh.ring + kLanes * std::size_t{s.columns};
+    const Gathered<Real> p = own<Real>(mesh.positions, slice);
+    const auto edge_to = [&](Index k) {
+      return between(p, gather(mesh.positions, column + kLanes * std::size_t{k}));
+    };
+    const auto look = [&](const Vectors<Real>& a, const Vectors<Real>& b) FAIRWAY_LAMBDA {
+      const Vectors<Real> n = cross(a, b);
+      const Vectors<Real> c = b - a;
+      const Lanes<Real> longest = -smaller(-dot(a, a), smaller(-dot(b, b), -dot(c, c)));
+      // Slots without a vertex have no edges.
+      least = select(longest > Lanes<Real>{}, smaller(dot(n, n) / longest, least), least);
+    };
+    const Vectors<Real> begin = edge_to(0);
+    Vectors<Real> a = begin;
+    for (Index k = 1; k < s.valence; ++k) {
+      const Vectors<Real> b = edge_to(k);
+      look(a, b);
+      a = b;
+    }
+    if (!s.open) look(a, begin);
+  }
+  Real out = least[0];
+  for (int i = 1; i < 8; ++i) out = least[i] < out ? least[i] : out;
+  return square_root(all(out))[0];
+}
+
+template <class Real>
 void normals(const KernelMesh<Real>& mesh, Index first, Index last, Quad<Real>* out) {
   const Lanes<Real> zero = {};
   for (Index slice = first; slice < last; ++slice, out += kLanes) {
@@ -204,10 +236,10 @@ double displacement(const KernelMesh<Real>& mesh, const Stored<Real>* start,
 }
 
 template <class Real>
-constexpr FlowKernels<Real> kKernels = {&bends<Real>,    &normals<Real>,     &curvature<Real>,
-                                        &contract<Real>, &weaken<Real>,      &weaken_moved<Real>,
-                                        &direct<Real>,   &revalue<Real>,     &average<Real>,
-                                        &move<Real>,     &displacement<Real>};
+constexpr FlowKernels<Real> kKernels = {
+    &bends<Real>,    &least_height<Real>, &normals<Real>,      &curvature<Real>,
+    &contract<Real>, &weaken<Real>,       &weaken_moved<Real>, &direct<Real>,
+    &revalue<Real>,  &average<Real>,      &move<Real>,         &displacement<Real>};
 
 }  // namespace
 

@@ -50,6 +50,9 @@ class Flow final : public PackedFlow {
   Flow(const TriangleMesh& mesh, std::span<const Vec3> positions, double mean_edge,
        std::span<const unsigned char> held, const FlowOptions& options, const Execution& execution);
 
+  /// Whether positions in fixed point serve this surface.
+  bool fixed_point_serves();
+
   Bends bends(bool sampled) override;
   double roughness() override;
   void mark_start() override;
@@ -150,6 +153,16 @@ Flow<Real>::Flow(const TriangleMesh& mesh, std::span<const Vec3> positions, doub
     }
     if (held[v] != 0) held_.push_back(static_cast<Index>(slot));
   }
+}
+
+template <class Real>
+bool Flow<Real>::fixed_point_serves() {
+  if (quantum_ > fixed_point_unit(kLargestFixedPoint)) return false;
+  std::vector<Real> parts((packed_.slices().size() + kGrain - 1) / kGrain);
+  for_slices([&](Index first, Index last) {
+    parts[first / kGrain] = kernels_.least_height(kernel_mesh(), first, last);
+  });
+  return *std::min_element(parts.begin(), parts.end()) >= static_cast<Real>(kLeastFixedPointHeight);
 }
 
 template <class Real>
@@ -480,16 +493,20 @@ std::unique_ptr<PackedFlow> PackedFlow::create(const TriangleMesh& mesh,
                                                const FlowOptions& options,
                                                const Execution& execution) {
   using enum Execution::Precision;
+  const auto in_double = [&] {
+    return std::make_unique<Flow<double>>(mesh, positions, mean_edge, held, options, execution);
+  };
   // Linear systems need it, and the isotropic flow amplifies a rounding error a thousand times in
   // ten steps.
-  const bool sensitive = solves_system(options) || options.method == Method::mean_curvature ||
-                         mesh.vertex_count() <= kDoubleVertices ||
-                         !fixed_point_serves(mesh, positions, mean_edge);
-  const bool in_double = execution.precision == double_precision || solves_system(options) ||
-                         (execution.precision == automatic && sensitive);
-  if (in_double)
-    return std::make_unique<Flow<double>>(mesh, positions, mean_edge, held, options, execution);
-  return std::make_unique<Flow<float>>(mesh, positions, mean_edge, held, options, execution);
+  const bool sensitive =
+      options.method == Method::mean_curvature || mesh.vertex_count() <= kDoubleVertices;
+  const bool chooses = execution.precision == automatic;
+  if (solves_system(options) || execution.precision == double_precision || (chooses && sensitive)) {
+    return in_double();
+  }
+  auto single = std::make_unique<Flow<float>>(mesh, positions, mean_edge, held, options, execution);
+  if (chooses && !single->fixed_point_serves()) return in_double();
+  return single;
 }
 
 }  // namespace fairway
