@@ -18,7 +18,7 @@ using namespace fairway::test;
 namespace {
 
 const std::string kSteps = R"({"method":"anisotropic_prescribed","steps":400})";
-const std::string kLong = R"({"method":"anisotropic_prescribed","steps":4000})";
+const std::string kLong = R"({"method":"anisotropic_prescribed","steps":10000})";
 
 void kill_worker(const ServiceProcess& service) {
   const auto workers = service.workers();
@@ -102,7 +102,7 @@ TEST_CASE("two deaths of a worker fail the job for good") {
   const TemporaryDirectory directory;
   const ServiceProcess service(directory.path());
   const HttpClient client = service.client();
-  const std::string path = submit(client, noisy_torus(150), kLong);
+  const std::string path = submit(client, noisy_torus(300), kLong);
   for (int attempt = 1; attempt <= 2; ++attempt) {
     follow(client, path, [&](const Json& job) {
       return job["state"] == "running" && job["attempt"] == attempt && job.contains("progress");
@@ -118,7 +118,7 @@ TEST_CASE("two deaths of a worker fail the job for good") {
 TEST_CASE("a worker does not outlive its server") {
   const TemporaryDirectory directory;
   ServiceProcess service(directory.path());
-  const std::string path = submit(service.client(), noisy_torus(150), kLong);
+  const std::string path = submit(service.client(), noisy_torus(300), kLong);
   wait_until_busy(service.client(), path);
   const auto workers = service.workers();
   REQUIRE(workers.size() == 1);
@@ -134,7 +134,7 @@ TEST_CASE("a synchronous job is canceled when its client hangs up") {
   const TemporaryDirectory directory;
   const ServiceProcess service(directory.path());
   const HttpClient client = service.client();
-  const std::string mesh = noisy_torus(150);
+  const std::string mesh = noisy_torus(300);
   // raw() closes after two seconds without an answer.
   CHECK(client
             .raw("POST /v1/denoise?params=" + percent_encoded(kLong) +

@@ -17,7 +17,7 @@ using namespace fairway::test;
 namespace {
 
 /// Steps enough to be met at work, few enough to end.
-const std::string kLong = R"({"method":"anisotropic_prescribed","steps":4000})";
+const std::string kLong = R"({"method":"anisotropic_prescribed","steps":10000})";
 
 bool is_glb(const std::string& body) {
   return body.size() > 12 && body.starts_with("glTF");
@@ -195,7 +195,7 @@ TEST_CASE("a running job is canceled and its worker is gone") {
   const TemporaryDirectory directory;
   const ServiceProcess service(directory.path(), {"--workers", "1"});
   const HttpClient client = service.client();
-  const std::string path = submit(client, noisy_torus(150), kLong);
+  const std::string path = submit(client, noisy_torus(300), kLong);
   wait_until_busy(client, path);
   CHECK(client.get(path + "/result").problem() == "not_ready");
   CHECK(service.workers().size() == 1);
@@ -230,7 +230,7 @@ TEST_CASE("a full queue refuses at once and keeps nothing") {
   const TemporaryDirectory directory;
   const ServiceProcess service(directory.path(), {"--workers", "1", "--queue", "1"});
   const HttpClient client = service.client();
-  const std::string running = submit(client, noisy_torus(150), kLong);
+  const std::string running = submit(client, noisy_torus(300), kLong);
   wait_until_busy(client, running);
   const std::string waiting = submit(client, small_glb());
   const Answer refused = client.post("/v1/jobs", small_glb());
