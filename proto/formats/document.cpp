@@ -6,6 +6,7 @@
 
 #include "proto/formats/draco_document.h"
 #include "proto/formats/gltf_document.h"
+#include "proto/formats/shape_document.h"
 
 namespace fairway {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 /// Smallest extent of a surface in steps of single precision at its distance from the origin.
 constexpr double kLeastSteps = 16.0;
 
-/// The files here hold single precision: far from the origin a small mesh collapses in it, and no
+/// In files that hold single precision: far from the origin a small mesh collapses in it, and no
 /// flow could write anything better back.
 bool collapses_in_floats(const IndexedMesh& mesh) {
   Vec3 low = mesh.positions.front();
@@ -30,6 +31,9 @@ bool collapses_in_floats(const IndexedMesh& mesh) {
 
 Result<std::unique_ptr<Document>> decode_format(std::span<const std::byte> bytes, Format format) {
   if (format == Format::drc) return decode_drc(bytes);
+  if (format == Format::ply) return decode_ply(bytes);
+  if (format == Format::obj) return decode_obj(bytes);
+  if (format == Format::stl) return decode_stl(bytes);
   return decode_gltf(bytes, format);
 }
 
@@ -38,12 +42,13 @@ Result<std::unique_ptr<Document>> decode_format(std::span<const std::byte> bytes
 Result<std::unique_ptr<Document>> decode(std::span<const std::byte> bytes, Format format) {
   auto document = decode_format(bytes, format);
   if (!document) return document;
+  const bool has_json = format == Format::glb || format == Format::gltf;
   for (const Surface& surface : (*document)->surfaces()) {
-    if (collapses_in_floats(surface.mesh)) {
+    if (surface.single_precision && collapses_in_floats(surface.mesh)) {
       return Error{ErrorCode::invalid_mesh,
                    "A mesh is so small and so far from the origin that single precision cannot "
                    "tell its vertices apart; move it to the origin first.",
-                   format == Format::drc ? "" : "/" + surface.name};
+                   has_json ? "/" + surface.name : ""};
     }
   }
   return document;

@@ -22,7 +22,8 @@ struct PrimitiveVertices {
   Index count = 0;
 };
 
-/// One surface of a document in its local space: a Draco mesh, or all triangle primitives of one
+/// One surface of a document in its local space: the mesh of a file without a scene (Draco, PLY,
+/// OBJ, STL; "mesh_index", "primitive" and "accessor" are 0), or all triangle primitives of one
 /// glTF mesh together. Vertices are those of the distinct POSITION accessors, one after the other.
 struct Surface {
   std::string name;  ///< "meshes/0" …: a place in the document, never text from the file
@@ -31,6 +32,7 @@ struct Surface {
   std::vector<PrimitiveVertices> primitives;  ///< ascending; several may share vertices
   /// Old normals, one per vertex, zero where the file has none; empty if it has none at all.
   std::vector<Vec3> normals;
+  bool single_precision = true;  ///< the file holds positions as floats
 };
 
 /// A per-vertex attribute to add. `values` has `components` floats (1 or 3) per vertex, all finite.

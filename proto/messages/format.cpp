@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "proto/messages/shape_guess.h"
+
 namespace fairway {
 namespace {
 
@@ -22,12 +24,37 @@ constexpr std::array kFormats = {
     FormatRow{Format::glb, "glb", "model/gltf-binary"},
     FormatRow{Format::gltf, "gltf", "model/gltf+json"},
     FormatRow{Format::drc, "drc", "application/octet-stream"},
+    FormatRow{Format::ply, "ply", "model/ply"},
+    FormatRow{Format::obj, "obj", "model/obj"},
+    FormatRow{Format::stl, "stl", "model/stl"},
+};
+
+struct TypeRow {
+  std::string_view media_type;
+  Format format;
+};
+
+/// What clients declare.
+constexpr std::array kTypes = {
+    TypeRow{"model/gltf-binary", Format::glb},
+    TypeRow{"model/gltf+json", Format::gltf},
+    TypeRow{"model/ply", Format::ply},
+    TypeRow{"model/x-ply", Format::ply},
+    TypeRow{"application/ply", Format::ply},
+    TypeRow{"application/x-ply", Format::ply},
+    TypeRow{"model/obj", Format::obj},
+    TypeRow{"text/prs.wavefront-obj", Format::obj},
+    TypeRow{"model/stl", Format::stl},
+    TypeRow{"model/x.stl-ascii", Format::stl},
+    TypeRow{"model/x.stl-binary", Format::stl},
+    TypeRow{"application/sla", Format::stl},
+    TypeRow{"application/vnd.ms-pki.stl", Format::stl},
 };
 
 constexpr std::string_view kAnyBytes = "application/octet-stream";
 constexpr std::string_view kTake =
-    "Send GLB as model/gltf-binary, glTF as model/gltf+json, or GLB, glTF or Draco as "
-    "application/octet-stream.";
+    "Send GLB as model/gltf-binary, glTF as model/gltf+json, PLY, OBJ or STL as model/ply, "
+    "model/obj or model/stl, or any of them and Draco as application/octet-stream.";
 
 const FormatRow& row_of(Format format) {
   return kFormats[static_cast<std::size_t>(format)];
@@ -73,12 +100,24 @@ bool looks_like_json(std::span<const std::byte> head) {
 std::optional<Format> by_magic(std::span<const std::byte> head) {
   if (starts_with(head, "glTF")) return Format::glb;
   if (starts_with(head, "DRACO")) return Format::drc;
+  if (starts_with(head, "ply\n") || starts_with(head, "ply\r")) return Format::ply;
   if (looks_like_json(head)) return Format::gltf;
   return std::nullopt;
 }
 
+bool has_no_magic(Format format) {
+  return format == Format::obj || format == Format::stl;
+}
+
+std::optional<Format> by_type(std::string_view type) {
+  const auto* row = std::find_if(kTypes.begin(), kTypes.end(),
+                                 [type](const TypeRow& r) { return r.media_type == type; });
+  if (row == kTypes.end()) return std::nullopt;
+  return row->format;
+}
+
 bool is_cut_magic(std::span<const std::byte> head) {
-  constexpr std::array<std::string_view, 2> kMagics = {"glTF", "DRACO"};
+  constexpr std::array<std::string_view, 3> kMagics = {"glTF", "DRACO", "ply\n"};
   return std::any_of(kMagics.begin(), kMagics.end(), [head](std::string_view magic) {
     return head.size() < magic.size() && starts_with(head, magic.substr(0, head.size()));
   });
@@ -129,25 +168,26 @@ std::optional<Format> format_of_file_name(std::string_view file_name) {
 Result<Format> recognise_format(std::span<const std::byte> head, std::string_view declared_type,
                                 std::string_view file_name) {
   const std::string type = bare_type(declared_type);
-  std::optional<Format> declared;
-  if (type == media_type_of(Format::glb)) declared = Format::glb;
-  if (type == media_type_of(Format::gltf)) declared = Format::gltf;
+  const std::optional<Format> declared = by_type(type);
   if (!declared && !type.empty() && type != kAnyBytes) {
     return unsupported("The declared content type is not a mesh type fairway takes.");
   }
   if (head.empty()) {
     return Error{ErrorCode::malformed_input, "The upload is empty; send the bytes of a mesh file."};
   }
-  const std::optional<Format> found = by_magic(head);
+  const std::optional<Format> named = format_of_file_name(file_name);
+  const std::optional<Format> told = declared ? declared : named;
+  std::optional<Format> found = by_magic(head);
+  if (!found && told && has_no_magic(*told)) return *told;
   if (!found && is_cut_magic(head)) {
     return Error{ErrorCode::malformed_input,
                  "The upload ends inside the first bytes of its format; send the whole file."};
   }
+  if (!found) found = guess_shape(head);
   if (declared && found != declared) {
     return unsupported(
         fmt::format("The content type says {}, the bytes are not.", name_of(*declared)));
   }
-  const std::optional<Format> named = format_of_file_name(file_name);
   if (found && !declared && named && found != named) {
     return unsupported(
         fmt::format("The file is named .{}, its bytes are {}.", name_of(*named), name_of(*found)));

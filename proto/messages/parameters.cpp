@@ -129,8 +129,12 @@ Json fixed_vertices_document(const std::vector<FixedVertices>& fixed) {
 }
 
 std::optional<Format> read_output(ObjectReader& reader) {
-  constexpr std::array<Named<Format>, 3> kOutputs = {
-      {{"glb", Format::glb}, {"gltf", Format::gltf}, {"drc", Format::drc}}};
+  constexpr std::array<Named<Format>, 6> kOutputs = {{{"glb", Format::glb},
+                                                      {"gltf", Format::gltf},
+                                                      {"drc", Format::drc},
+                                                      {"ply", Format::ply},
+                                                      {"obj", Format::obj},
+                                                      {"stl", Format::stl}}};
   std::optional<Format> format;
   if (reader.holds_object("output")) {
     ObjectReader output = reader.object("output");

@@ -58,7 +58,8 @@ class Tool {
   void add_file_verb(const char* name, const char* what, const char* parameters, Command& command) {
     CLI::App* verb = app_.add_subcommand(name, what);
     verb->add_option("IN", command.input, "GLB, self-contained glTF or Draco file")->required();
-    verb->add_option("OUT", command.output, "Result; the extension chooses .glb or .gltf")
+    verb->add_option("OUT", command.output,
+                     "Result; the extension chooses .glb, .gltf, .ply, .obj or .stl")
         ->required();
     verb->add_option("--params", command.parameters, parameters);
     verb->add_flag("--quiet,-q", command.quiet, "Print errors only");

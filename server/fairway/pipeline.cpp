@@ -19,6 +19,7 @@
 #include "core/triangle_mesh.h"
 #include "proto/formats/document.h"
 #include "proto/formats/fixed_vertices.h"
+#include "proto/formats/fresh_mesh.h"
 
 namespace fairway {
 namespace {
@@ -225,7 +226,10 @@ Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format for
       denoise_all(**document, parameters, progress, stop, out.report);
   if (!results) return results.error();
   progress.stage("encode", 1.0);
-  Result<std::vector<std::byte>> bytes = (*document)->encode(*results, out.format);
+  for (std::string& note : conversion_notes(*results, format, out.format)) {
+    out.report.notes.push_back(std::move(note));
+  }
+  Result<std::vector<std::byte>> bytes = convert(**document, *results, format, out.format);
   if (!bytes) return bytes.error();
   out.bytes = *std::move(bytes);
   return out;

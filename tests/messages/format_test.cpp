@@ -15,6 +15,16 @@ Result<Format> recognise(const std::string& bytes, const char* type, const char*
 
 const std::string kGlb("glTF\x02\0\0\0\x0c\0\0\0", 12);
 const std::string kDraco("DRACO\x02\x02\x01\x01\0\0", 11);
+/// One triangle (0, 0, 0), (1, 0, 0), (0, 1, 0) without a normal.
+std::string binary_stl() {
+  std::string out(134, '\0');
+  out.replace(0, 6, "header");
+  out[80] = 1;
+  out.replace(84 + 24, 4, std::string("\0\0\x80\x3F", 4));
+  out.replace(84 + 40, 4, std::string("\0\0\x80\x3F", 4));
+  return out;
+}
+
 const std::string kPng("\x89PNG\r\n\x1a\n", 8);
 
 }  // namespace
@@ -26,6 +36,44 @@ TEST_CASE("formats are recognised by magic, whatever octet-stream or nothing is 
     CHECK(*recognise(" \n{\"asset\":{}}", type) == Format::gltf);
     CHECK(*recognise("\xEF\xBB\xBF{}", type) == Format::gltf);
   }
+}
+
+TEST_CASE("PLY, OBJ and STL are recognised by what they begin with") {
+  for (const char* type : {"", "application/octet-stream"}) {
+    CHECK(*recognise("ply\nformat ascii 1.0\n", type) == Format::ply);
+    CHECK(*recognise("ply\r\nformat ascii 1.0\r\n", type) == Format::ply);
+    CHECK(*recognise("solid thing\nfacet", type) == Format::stl);
+    CHECK(*recognise("# made by\n\nmtllib a.mtl\n", type) == Format::obj);
+    CHECK(*recognise("v 0 0 0\r\n", type) == Format::obj);
+    CHECK(*recognise(binary_stl(), type) == Format::stl);
+  }
+  for (const char* bytes : {"OFF\n3 1 0\n", "<html>", "vertex", "plyx"}) {
+    CAPTURE(bytes);
+    CHECK(recognise(bytes, "").error().code == ErrorCode::unsupported_format);
+  }
+  CHECK_FALSE(recognise(std::string("v\0 0 0 0", 8), ""));
+  std::string no_triangle = binary_stl();
+  no_triangle[84 + 7] = '\x7F';
+  CHECK_FALSE(recognise(no_triangle, ""));
+  no_triangle = binary_stl();
+  no_triangle[80] = 0;
+  CHECK_FALSE(recognise(no_triangle, ""));
+}
+
+TEST_CASE("OBJ and STL are believed by type or name where the bytes are no other format") {
+  const std::string unknown(100, '\x01');
+  CHECK(*recognise(unknown, "model/stl") == Format::stl);
+  CHECK(*recognise(unknown, "application/sla; x=y") == Format::stl);
+  CHECK(*recognise("call other.obj\n", "model/obj") == Format::obj);
+  CHECK(*recognise(unknown, "", "part.STL") == Format::stl);
+  CHECK(*recognise("ply\n", "application/ply") == Format::ply);
+  for (const char* type : {"model/stl", "model/obj", "model/gltf-binary"}) {
+    CHECK(recognise("ply\n", type).error().code == ErrorCode::unsupported_format);
+    CHECK_FALSE(recognise("", type));
+  }
+  CHECK(recognise(kGlb, "", "part.stl").error().code == ErrorCode::unsupported_format);
+  CHECK(recognise("v 0 0 0\n", "model/ply").error().code == ErrorCode::unsupported_format);
+  CHECK(recognise("v 0 0 0\n", "", "part.glb").error().code == ErrorCode::unsupported_format);
 }
 
 TEST_CASE("a declared type that the bytes contradict is an unsupported format") {
@@ -67,6 +115,9 @@ TEST_CASE("file names name formats by their extension in any case") {
   CHECK(format_of_file_name("a.b.GLB") == Format::glb);
   CHECK(format_of_file_name("x.gltf") == Format::gltf);
   CHECK(format_of_file_name("x.drc") == Format::drc);
+  CHECK(format_of_file_name("x.Ply") == Format::ply);
+  CHECK(format_of_file_name("x.obj") == Format::obj);
+  CHECK(format_of_file_name("x.STL") == Format::stl);
   CHECK_FALSE(format_of_file_name("glb"));
   CHECK_FALSE(format_of_file_name("x.png"));
 }

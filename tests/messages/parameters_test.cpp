@@ -76,6 +76,9 @@ TEST_CASE("every parameter is read") {
   CHECK(p.fixed_vertices[0].vertices == std::vector<Index>{3, 1, 4, 1});
   CHECK(p.output == Format::gltf);
   CHECK(good(R"({"output":{"format":"glb"}})").output == Format::glb);
+  CHECK(good(R"({"output":"ply"})").output == Format::ply);
+  CHECK(good(R"({"output":"obj"})").output == Format::obj);
+  CHECK(good(R"({"output":"stl"})").output == Format::stl);
 }
 
 TEST_CASE("a parameter document survives the round trip") {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "core/shapes.h"
 #include "tests/formats/tinygltf_reader.h"
@@ -176,6 +177,30 @@ TEST_CASE("the wrong command line is explained and exits with 2") {
     const ToolRun help = run_tool({verb, "--help"});
     CHECK(help.exit_code == 0);
     CHECK(help.output.find("--params") != std::string::npos);
+  }
+}
+
+TEST_CASE("every format is denoised into every other, told by the extensions") {
+  const Workplace place(glb_of(noisy_sphere()));
+  const IndexedMesh clean = sphere(3, 1.0);
+  for (const Format came : {Format::ply, Format::obj, Format::stl}) {
+    const auto noisy = place.directory.path() / fmt::format("noisy.{}", name_of(came));
+    REQUIRE(run_tool({"curvature", place.in, noisy}).exit_code == 0);
+    for (const Format wanted : {Format::ply, Format::obj, Format::stl, Format::glb, Format::gltf}) {
+      const auto out = place.directory.path() / fmt::format("out.{}", name_of(wanted));
+      const ToolRun run = run_tool({"denoise", noisy, out});
+      INFO(name_of(came) << " to " << name_of(wanted) << ": " << run.output);
+      REQUIRE(run.exit_code == 0);
+      const bool stores = wanted != Format::obj && wanted != Format::stl;
+      CHECK((run.output.find("curvature is not stored") == std::string::npos) == stores);
+      // STL numbers vertices anew: roundness is compared instead of vertices.
+      double worst = 0.0;
+      for (const Vec3& p : mesh_of(out, wanted).positions) {
+        worst = std::max(worst, std::abs(p.norm() - 1.0));
+      }
+      CHECK(worst < 0.03);
+      CHECK(mesh_of(out, wanted).triangles.size() == clean.triangles.size());
+    }
   }
 }
 

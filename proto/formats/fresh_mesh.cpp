@@ -1,0 +1,222 @@
+// New PLY, OBJ and STL files, and which document is written how.
+
+#include "proto/formats/fresh_mesh.h"
+
+#include <array>
+#include <cctype>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "proto/formats/bytes.h"
+#include "proto/formats/fresh_gltf.h"
+#include "proto/formats/polygons.h"
+#include "proto/formats/stl_triangles.h"
+#include "proto/formats/surface_result.h"
+#include "proto/formats/text_lines.h"
+
+namespace fairway {
+namespace {
+
+/// What is written, wherever it stands.
+struct Parts {
+  const std::vector<Vec3>& positions;
+  const std::vector<Triangle>& triangles;
+  const std::vector<Vec3>& normals;
+  const std::vector<VertexAttribute>& attributes;
+};
+
+std::vector<std::byte> bytes_of(std::string_view text) {
+  const ByteSpan bytes = as_bytes(text);
+  return {bytes.begin(), bytes.end()};
+}
+
+bool is_shape(Format format) {
+  return format == Format::ply || format == Format::obj || format == Format::stl;
+}
+
+std::string ply_header(const Parts& parts, bool floats, bool signed_indices) {
+  std::string out =
+      fmt::format("ply\nformat binary_little_endian 1.0\ncomment fairway\nelement vertex {}\n",
+                  parts.positions.size());
+  for (const char* name : {"x", "y", "z"}) {
+    out += fmt::format("property {} {}\n", floats ? "float" : "double", name);
+  }
+  if (!parts.normals.empty()) out += "property float nx\nproperty float ny\nproperty float nz\n";
+  for (const VertexAttribute& attribute : parts.attributes) {
+    for (const std::string& name : property_names(attribute)) {
+      out += fmt::format("property float {}\n", name);
+    }
+  }
+  out += fmt::format("element face {}\nproperty list uchar {} vertex_indices\nend_header\n",
+                     parts.triangles.size(), signed_indices ? "int" : "uint");
+  return out;
+}
+
+void append_floats(const Vec3& vector, std::vector<std::byte>& out) {
+  for (int c = 0; c < 3; ++c) append_value(out, static_cast<float>(vector[c]));
+}
+
+std::vector<std::byte> write_ply(const Parts& parts) {
+  const bool floats = fit_floats(parts.positions);
+  const bool small = parts.positions.size() <= std::numeric_limits<std::int32_t>::max();
+  std::vector<std::byte> out = bytes_of(ply_header(parts, floats, small));
+  out.reserve(out.size() + parts.positions.size() * 64 + parts.triangles.size() * 13);
+  for (std::size_t v = 0; v < parts.positions.size(); ++v) {
+    if (floats) {
+      append_floats(parts.positions[v], out);
+    } else {
+      for (int c = 0; c < 3; ++c) append_value(out, parts.positions[v][c]);
+    }
+    if (!parts.normals.empty()) append_floats(parts.normals[v], out);
+    for (const VertexAttribute& attribute : parts.attributes) {
+      const auto components = static_cast<std::size_t>(attribute.components);
+      for (std::size_t c = 0; c < components; ++c) {
+        append_value(out, attribute.values[v * components + c]);
+      }
+    }
+  }
+  for (const Triangle& triangle : parts.triangles) {
+    append_value(out, std::uint8_t{3});
+    append_value(out, triangle);
+  }
+  return out;
+}
+
+void append_obj_line(std::string_view key, const Vec3& vector, bool floats, std::string& out) {
+  out += key;
+  for (int c = 0; c < 3; ++c) {
+    out += ' ';
+    out += floats ? shortest(static_cast<float>(vector[c])) : shortest(vector[c]);
+  }
+  out += '\n';
+}
+
+std::vector<std::byte> write_obj(const Parts& parts) {
+  const bool floats = fit_floats(parts.positions);
+  std::string out = "# fairway\n";
+  for (const Vec3& position : parts.positions) append_obj_line("v", position, floats, out);
+  for (const Vec3& normal : parts.normals) append_obj_line("vn", normal, true, out);
+  for (const auto& [a, b, c] : parts.triangles) {
+    const std::size_t i = std::size_t{a} + 1;
+    const std::size_t j = std::size_t{b} + 1;
+    const std::size_t k = std::size_t{c} + 1;
+    out += parts.normals.empty() ? fmt::format("f {} {} {}\n", i, j, k)
+                                 : fmt::format("f {0}//{0} {1}//{1} {2}//{2}\n", i, j, k);
+  }
+  return bytes_of(out);
+}
+
+Result<std::vector<std::byte>> write_stl(const Parts& parts) {
+  std::array<std::byte, kStlHeaderBytes> header{};
+  const ByteSpan name = as_bytes("fairway");
+  std::copy(name.begin(), name.end(), header.begin());
+  std::vector<std::byte> out(header.begin(), header.end());
+  append_value(out, static_cast<std::uint32_t>(parts.triangles.size()));
+  out.reserve(out.size() + parts.triangles.size() * kStlTriangleBytes);
+  for (const auto& [a, b, c] : parts.triangles) {
+    append_stl_triangle(parts.positions[a], parts.positions[b], parts.positions[c], 0, out);
+  }
+  return out;
+}
+
+Result<std::vector<std::byte>> write_gltf(const Parts& parts, Format format) {
+  FreshMesh mesh;
+  mesh.triangles = parts.triangles;
+  mesh.attributes.push_back({"POSITION", pack_vectors(parts.positions)});
+  if (!parts.normals.empty()) mesh.attributes.push_back({"NORMAL", pack_vectors(parts.normals)});
+  for (const VertexAttribute& attribute : parts.attributes) {
+    mesh.attributes.push_back(
+        {attribute.name, pack_floats(attribute.values, attribute.components)});
+  }
+  return write_fresh_gltf(mesh, format);
+}
+
+std::string_view upper_name(Format format) {
+  if (format == Format::ply) return "PLY";
+  if (format == Format::obj) return "OBJ";
+  return "STL";
+}
+
+}  // namespace
+
+std::vector<std::string> property_names(const VertexAttribute& attribute) {
+  std::string base = attribute.name;
+  if (!base.empty() && base.front() == '_') base.erase(0, 1);
+  for (char& c : base) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (attribute.components == 1) return {base};
+  constexpr std::array<char, 4> kAxes = {'x', 'y', 'z', 'w'};
+  std::vector<std::string> out;
+  for (std::size_t c = 0; c < static_cast<std::size_t>(attribute.components); ++c) {
+    out.push_back(fmt::format("{}_{}", base, kAxes[c]));
+  }
+  return out;
+}
+
+Result<std::vector<std::byte>> write_fresh_mesh(const Surface& surface, const SurfaceResult& result,
+                                                Format format) {
+  const Parts parts{result.moved ? result.positions : surface.mesh.positions,
+                    surface.mesh.triangles, result.moved ? result.normals : surface.normals,
+                    result.attributes};
+  for (const Vec3& position : parts.positions) {
+    if (!position.cast<float>().allFinite()) {
+      return Error{ErrorCode::invalid_mesh,
+                   "A position is beyond single precision; scale the mesh down first."};
+    }
+  }
+  switch (format) {
+    case Format::ply:
+      return write_ply(parts);
+    case Format::obj:
+      return write_obj(parts);
+    case Format::stl:
+      return write_stl(parts);
+    case Format::glb:
+    case Format::gltf:
+      return write_gltf(parts, format);
+    case Format::drc:
+      break;
+  }
+  return Error{ErrorCode::unsupported_feature,
+               "Writing .drc is not there yet; ask for glb, gltf, ply, obj or stl."};
+}
+
+Result<std::vector<std::byte>> convert(const Document& document,
+                                       std::span<const SurfaceResult> results, Format came,
+                                       Format wanted) {
+  if (wanted == came || !is_shape(wanted) || is_shape(came)) {
+    return document.encode(results, wanted);
+  }
+  const auto done = check_results(document.surfaces(), results);
+  if (!done) return done.error();
+  if (results.size() != 1) {
+    return Error{ErrorCode::unsupported_feature,
+                 fmt::format("The file has {} meshes and {} holds one without a scene around it; "
+                             "ask for glb or gltf.",
+                             results.size(), upper_name(wanted)),
+                 "/meshes"};
+  }
+  return write_fresh_mesh(document.surfaces().front(), results.front(), wanted);
+}
+
+std::vector<std::string> conversion_notes(std::span<const SurfaceResult> results, Format came,
+                                          Format wanted) {
+  std::vector<std::string> out;
+  bool has_attributes = false;
+  for (const SurfaceResult& result : results) has_attributes |= !result.attributes.empty();
+  if (has_attributes && (wanted == Format::obj || wanted == Format::stl)) {
+    out.push_back(
+        fmt::format("{} has no place for attributes of vertices: the curvature is not stored; ask "
+                    "for ply or glb to get it",
+                    upper_name(wanted)));
+  }
+  if (came != wanted && (is_shape(came) || is_shape(wanted))) {
+    out.push_back(fmt::format(
+        "written anew as {}: only positions (in the mesh's own coordinates), triangles and, where "
+        "they have a place, normals and new attributes are carried over",
+        name_of(wanted)));
+  }
+  return out;
+}
+
+}  // namespace fairway

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "proto/formats/document.h"
+
+namespace fairway {
+
+/// The names of an attribute's components as properties of a PLY vertex: lower case without the
+/// leading underscore ("_CURVATURE_K1": curvature_k1, "_FEATURE": feature), with _x, _y, _z behind
+/// where there are three ("_CURVATURE_DIR1": curvature_dir1_x …).
+std::vector<std::string> property_names(const VertexAttribute& attribute);
+
+/// A new file around one surface: positions, triangles, normals if it has some, and where the
+/// format has a place for them (glb, gltf, ply) attributes. PLY is binary little-endian and STL
+/// binary. Errors: unsupported_feature (drc), diverged (a position that the format cannot hold),
+/// too_large.
+Result<std::vector<std::byte>> write_fresh_mesh(const Surface& surface, const SurfaceResult& result,
+                                                Format format);
+
+/// `document` written as `wanted`: by itself where it can, else as a fresh mesh. `came` is its own
+/// format. Errors: those of Document::encode() and write_fresh_mesh(); unsupported_feature where
+/// several meshes would have to become one.
+Result<std::vector<std::byte>> convert(const Document& document,
+                                       std::span<const SurfaceResult> results, Format came,
+                                       Format wanted);
+
+/// Sentences for the job's notes: what a file that came as `came` loses as `wanted`, and which
+/// attributes have no place there.
+std::vector<std::string> conversion_notes(std::span<const SurfaceResult> results, Format came,
+                                          Format wanted);
+
+}  // namespace fairway
