@@ -24,7 +24,7 @@ endfunction()
 
 get_filename_component(ROOT ${ROOT} ABSOLUTE)
 forbid(core "proto/|server/" "core knows no bytes, JSON, files or processes")
-forbid(core "nlohmann/|httplib|sqlite3|draco/|tiny_gltf|fmt/|sys/|unistd|filesystem|fstream"
+forbid(core "nlohmann/|httplib|sqlite3|draco/|meshoptimizer|tiny_gltf|fmt/|sys/|unistd|filesystem|fstream"
        "core links Eigen and OpenMesh and nothing else")
 forbid(proto/messages "server/|proto/formats/" "messages stand below formats and server")
 forbid(proto/formats "server/" "formats stand below the server")
@@ -37,6 +37,8 @@ foreach(room core proto server)
   forbid(${room} "OpenMesh/" "only core/halfedge.cpp includes OpenMesh" core/halfedge.cpp)
   forbid(${room} "draco/" "only proto/formats/draco_decoder.cpp includes Draco"
          proto/formats/draco_decoder.cpp)
+  forbid(${room} "meshoptimizer" "only proto/formats/meshopt_decoder.cpp includes meshoptimizer"
+         proto/formats/meshopt_decoder.cpp)
   forbid(${room} "tiny_gltf" "only proto/formats/fresh_gltf.cpp includes tinygltf"
          proto/formats/fresh_gltf.cpp)
   forbid(${room} "sqlite3" "only server/fairwayd/sqlite.cpp includes sqlite"

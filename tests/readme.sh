@@ -9,6 +9,10 @@ trap '[ -z "$service" ] || kill "$service"; rm -rf "$place"' EXIT
 cd "$place"
 PATH=$bin:$PATH
 fairway sample ring noisy.glb
+# A scene whose buffer stands in a file beside it.
+fairway curvature noisy.glb whole.gltf --quiet
+jq -r '.buffers[0].uri | sub("^[^,]*,"; "")' whole.gltf | base64 -d >scene.bin
+jq '.buffers[0].uri = "scene.bin"' whole.gltf >scene.gltf
 fairwayd --listen 127.0.0.1:0 --data data >service.log 2>&1 &
 service=$!
 for _ in $(seq 100); do

@@ -12,7 +12,6 @@ namespace {
 constexpr std::string_view kAlphabet =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 constexpr std::uint8_t kNoDigit = 0xFF;
-constexpr std::string_view kOctetStream = "data:application/octet-stream;base64,";
 
 constexpr std::array<std::uint8_t, 256> kDigits = [] {
   std::array<std::uint8_t, 256> digits{};
@@ -90,8 +89,8 @@ std::optional<std::string_view> data_uri_payload(std::string_view uri) {
   return uri.substr(comma + 1);
 }
 
-std::string make_data_uri(ByteSpan bytes) {
-  return std::string(kOctetStream) + encode_base64(bytes);
+std::string make_data_uri(ByteSpan bytes, std::string_view media_type) {
+  return "data:" + std::string(media_type) + ";base64," + encode_base64(bytes);
 }
 
 }  // namespace fairway

@@ -22,7 +22,7 @@ std::optional<std::string_view> data_uri_payload(std::string_view uri);
 /// True for every "data:" URI (the scheme in any case).
 bool is_data_uri(std::string_view uri);
 
-/// "data:application/octet-stream;base64,…".
-std::string make_data_uri(ByteSpan bytes);
+/// "data:<media type>;base64,…".
+std::string make_data_uri(ByteSpan bytes, std::string_view media_type = "application/octet-stream");
 
 }  // namespace fairway

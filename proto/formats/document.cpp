@@ -29,18 +29,20 @@ bool collapses_in_floats(const IndexedMesh& mesh) {
   return extent > 0.0 && extent < kLeastSteps * std::ldexp(farthest, -23);
 }
 
-Result<std::unique_ptr<Document>> decode_format(std::span<const std::byte> bytes, Format format) {
+Result<std::unique_ptr<Document>> decode_format(std::span<const std::byte> bytes, Format format,
+                                                const SideFiles& side_files) {
   if (format == Format::drc) return decode_drc(bytes);
   if (format == Format::ply) return decode_ply(bytes);
   if (format == Format::obj) return decode_obj(bytes);
   if (format == Format::stl) return decode_stl(bytes);
-  return decode_gltf(bytes, format);
+  return decode_gltf(bytes, format, side_files);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Document>> decode(std::span<const std::byte> bytes, Format format) {
-  auto document = decode_format(bytes, format);
+Result<std::unique_ptr<Document>> decode(std::span<const std::byte> bytes, Format format,
+                                         const SideFiles& side_files) {
+  auto document = decode_format(bytes, format, side_files);
   if (!document) return document;
   const bool has_json = format == Format::glb || format == Format::gltf;
   for (const Surface& surface : (*document)->surfaces()) {

@@ -9,6 +9,7 @@
 
 #include "core/mesh.h"
 #include "core/result.h"
+#include "proto/formats/side_files.h"
 #include "proto/messages/format.h"
 
 namespace fairway {
@@ -70,9 +71,11 @@ class Document {
 };
 
 /// Decodes untrusted bytes; every count is checked before it is believed. `bytes` must outlive the
-/// Document, which refers to them. Opens no file and no network address.
+/// Document, which refers to them. Opens no file and no network address; what a glTF names beside
+/// itself comes from `side_files`.
 /// Errors: malformed_input, unsupported_format, unsupported_feature, invalid_mesh, no_triangles,
 /// too_large; JSON pointers name the culprit in a glTF.
-Result<std::unique_ptr<Document>> decode(std::span<const std::byte> bytes, Format format);
+Result<std::unique_ptr<Document>> decode(std::span<const std::byte> bytes, Format format,
+                                         const SideFiles& side_files = {});
 
 }  // namespace fairway

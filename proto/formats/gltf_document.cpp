@@ -13,11 +13,11 @@ namespace {
 
 class GltfDocument final : public Document {
  public:
-  GltfDocument(Json json, GltfTables tables, GltfSurfaces surfaces, const GltfBinary& binary)
+  GltfDocument(Json json, GltfTables tables, GltfSurfaces surfaces, GltfBinary binary)
       : json_(std::move(json)),
         tables_(std::move(tables)),
         layout_(std::move(surfaces.layout)),
-        binary_(binary) {
+        binary_(std::move(binary)) {
     surfaces_ = std::move(surfaces.surfaces);
     notes_ = std::move(surfaces.notes);
   }
@@ -53,9 +53,28 @@ Result<GlbParts> take_apart(ByteSpan bytes, Format format) {
   return parts;
 }
 
+Result<GltfBinary> gather_binary(const JsonPlace& root, const GlbParts& parts, Format format,
+                                 const GltfTables& tables, SideReader& reader,
+                                 std::vector<std::string>& notes) {
+  GltfBinary binary;
+  binary.is_glb = format == Format::glb;
+  binary.bin = parts.bin;
+  binary.other_chunks = parts.other_chunks;
+  if (!tables.buffers.empty()) binary.first_buffer = tables.buffers.front().data;
+  for (std::size_t i = 0; i < tables.buffers.size(); ++i) {
+    const GltfBuffer& buffer = tables.buffers[i];
+    if (buffer.is_side_file) binary.side_buffers.push_back({i, *buffer.data});
+  }
+  auto images = read_side_images(root, reader, notes);
+  if (!images) return images.error();
+  binary.side_images = *std::move(images);
+  return binary;
+}
+
 }  // namespace
 
-Result<std::unique_ptr<Document>> decode_gltf(ByteSpan bytes, Format format) {
+Result<std::unique_ptr<Document>> decode_gltf(ByteSpan bytes, Format format,
+                                              const SideFiles& side_files) {
   const auto parts = take_apart(bytes, format);
   if (!parts) return parts.error();
   auto json = parse_json(parts->json);
@@ -63,17 +82,15 @@ Result<std::unique_ptr<Document>> decode_gltf(ByteSpan bytes, Format format) {
   const JsonPlace root(*json, "");
   if (const auto done = check_scene(root); !done) return done.error();
   if (const auto done = check_extensions(root); !done) return done.error();
-  auto tables = read_tables(root, parts->bin, bytes.size());
+  SideReader reader(side_files);
+  auto tables = read_tables(root, parts->bin, bytes.size(), reader);
   if (!tables) return tables.error();
   auto surfaces = gather_surfaces(root, *tables);
   if (!surfaces) return surfaces.error();
-  GltfBinary binary;
-  binary.is_glb = format == Format::glb;
-  binary.bin = parts->bin;
-  binary.other_chunks = parts->other_chunks;
-  if (!tables->buffers.empty()) binary.first_buffer = tables->buffers.front().data;
+  auto binary = gather_binary(root, *parts, format, *tables, reader, surfaces->notes);
+  if (!binary) return binary.error();
   return std::unique_ptr<Document>(std::make_unique<GltfDocument>(
-      *std::move(json), *std::move(tables), *std::move(surfaces), binary));
+      *std::move(json), *std::move(tables), *std::move(surfaces), *std::move(binary)));
 }
 
 }  // namespace fairway

@@ -64,18 +64,24 @@ GltfOutput::GltfOutput(const Json& json, const GltfBinary& binary, Format format
   }
 }
 
-std::size_t GltfOutput::add_view(const PackedValues& values, ViewTarget target) {
+/// Appends bytes and a view of them, which this returns: the last one.
+Json& GltfOutput::add_bytes(ByteSpan bytes) {
   align_to_four(added_);
   Json view = Json::object();
   view["buffer"] = buffer_;
   view["byteOffset"] = base_ + added_.size();
-  view["byteLength"] = values.bytes.size();
-  if (!values.is_tight()) view["byteStride"] = values.stride;
-  view["target"] = static_cast<unsigned>(target);
-  append(added_, values.bytes);
+  view["byteLength"] = bytes.size();
+  append(added_, bytes);
   Json& views = array_of(json_, "bufferViews");
   views.push_back(std::move(view));
-  return views.size() - 1;
+  return views.back();
+}
+
+std::size_t GltfOutput::add_view(const PackedValues& values, ViewTarget target) {
+  Json& view = add_bytes(values.bytes);
+  if (!values.is_tight()) view["byteStride"] = values.stride;
+  view["target"] = static_cast<unsigned>(target);
+  return json_["bufferViews"].size() - 1;
 }
 
 std::size_t GltfOutput::add_accessor(const PackedValues& values, ViewTarget target, Bounds bounds) {
@@ -90,6 +96,28 @@ void GltfOutput::fill_accessor(std::size_t index, const PackedValues& values, Vi
                                Bounds bounds) {
   const std::size_t view = add_view(values, target);
   describe(values, view, bounds, json_["accessors"][index]);
+}
+
+/// Into BIN where there is one and readers can know the type, else as text.
+void GltfOutput::embed_image(const SideImage& image) {
+  Json& json = json_["images"][image.index];
+  const bool typed = json.contains("mimeType") || !image_media_type(image.bytes).empty();
+  if (format_ != Format::glb || !extends_first_ || !typed || image.bytes.empty()) {
+    json["uri"] = make_data_uri(image.bytes, image.media_type);
+    return;
+  }
+  add_bytes(image.bytes);
+  json.erase("uri");
+  json["bufferView"] = json_["bufferViews"].size() - 1;
+  json["mimeType"] = image.media_type;
+}
+
+void GltfOutput::embed_side_files() {
+  for (const SideBuffer& buffer : binary_.side_buffers) {
+    if (extends_first_ && buffer.index == 0) continue;
+    json_["buffers"][buffer.index]["uri"] = make_data_uri(buffer.bytes);
+  }
+  for (const SideImage& image : binary_.side_images) embed_image(image);
 }
 
 /// Makes `bin` the whole of buffers[0], old bytes and new ones.
@@ -121,6 +149,7 @@ void GltfOutput::close_new_buffer() {
 Result<std::vector<std::byte>> GltfOutput::finish() {
   std::vector<std::byte> bin;
   GlbParts parts;
+  embed_side_files();
   if (extends_first_) {
     close_first_buffer(bin);
     parts.bin = bin;

@@ -6,11 +6,18 @@
 
 #include "core/result.h"
 #include "proto/formats/bytes.h"
+#include "proto/formats/gltf_side_files.h"
 #include "proto/formats/json_fields.h"
 #include "proto/formats/packed_values.h"
 #include "proto/messages/format.h"
 
 namespace fairway {
+
+/// A buffer of a glTF that came as a file of its own.
+struct SideBuffer {
+  std::size_t index = 0;  ///< in "buffers"
+  ByteSpan bytes;
+};
 
 /// The binary side of a glTF as it came.
 struct GltfBinary {
@@ -18,13 +25,15 @@ struct GltfBinary {
   std::optional<ByteSpan> bin;           ///< the BIN chunk
   std::optional<ByteSpan> first_buffer;  ///< the data of buffers[0], wherever it stands
   ByteSpan other_chunks;
+  std::vector<SideBuffer> side_buffers;
+  std::vector<SideImage> side_images;
 };
 
 /// What an appended view is for; the numbers of glTF.
 enum class ViewTarget { vertices = 34962, indices = 34963 };
 
 /// A copy of a glTF that can be added to. Bytes that are there stay where they are; new ones go
-/// behind them: to the end of the BIN chunk, or into a new buffer.
+/// behind them: to the end of the BIN chunk, or into a new buffer. Side files become part of it.
 class GltfOutput {
  public:
   /// `binary` must outlive the output.
@@ -44,7 +53,10 @@ class GltfOutput {
   Result<std::vector<std::byte>> finish();
 
  private:
+  Json& add_bytes(ByteSpan bytes);
   std::size_t add_view(const PackedValues& values, ViewTarget target);
+  void embed_image(const SideImage& image);
+  void embed_side_files();
   void close_first_buffer(std::vector<std::byte>& bin);
   void close_new_buffer();
 

@@ -12,6 +12,7 @@
 
 #include "proto/formats/gltf_accessor.h"
 #include "proto/formats/gltf_extensions.h"
+#include "proto/formats/gltf_meshopt.h"
 
 namespace fairway {
 namespace {
@@ -26,7 +27,7 @@ using Accessor = std::optional<std::size_t>;
 /// Builds the surfaces mesh by mesh and keeps count of what the file makes us store.
 class SurfaceGatherer {
  public:
-  SurfaceGatherer(const JsonPlace& root, const GltfTables& tables)
+  SurfaceGatherer(const JsonPlace& root, GltfTables& tables)
       : root_(root), tables_(tables), quantized_(uses_extension(root, "KHR_mesh_quantization")) {}
 
   Result<void> add_mesh(const JsonPlace& mesh, std::size_t index);
@@ -48,7 +49,7 @@ class SurfaceGatherer {
   void note(std::string_view text);
 
   JsonPlace root_;
-  const GltfTables& tables_;
+  GltfTables& tables_;
   bool quantized_;
   std::uint64_t spent_ = 0;
   std::uint64_t decoded_ = 0;
@@ -201,6 +202,7 @@ Result<void> SurfaceGatherer::add_primitive(const JsonPlace& place, std::size_t 
     return {};
   }
   if (auto done = check_repeats(place, **source); !done) return done;
+  if (auto done = decode_views(**source, tables_); !done) return done;
   if ((*source)->draco) {
     if (auto done = decode(place, *(*source)->draco); !done) return done;
   }
@@ -256,7 +258,7 @@ bool has_skinned_node(const JsonPlace& root) {
 
 }  // namespace
 
-Result<GltfSurfaces> gather_surfaces(const JsonPlace& root, const GltfTables& tables) {
+Result<GltfSurfaces> gather_surfaces(const JsonPlace& root, GltfTables& tables) {
   const auto meshes = root.array("meshes");
   if (!meshes) return meshes.error();
   SurfaceGatherer gatherer(root, tables);

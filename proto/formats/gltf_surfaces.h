@@ -44,8 +44,8 @@ struct GltfSurfaces {
   std::vector<std::string> notes;
 };
 
-/// Gathers the triangle primitives of every mesh. Errors: invalid_mesh, unsupported_feature,
-/// no_triangles, too_large (Draco).
-Result<GltfSurfaces> gather_surfaces(const JsonPlace& root, const GltfTables& tables);
+/// Gathers the triangle primitives of every mesh; decodes the compressed views it needs. Errors:
+/// invalid_mesh, unsupported_feature, no_triangles, too_large (compressed data).
+Result<GltfSurfaces> gather_surfaces(const JsonPlace& root, GltfTables& tables);
 
 }  // namespace fairway

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "proto/formats/base64.h"
+#include "proto/formats/gltf_meshopt.h"
 
 namespace fairway {
 namespace {
@@ -15,45 +16,40 @@ constexpr std::uint64_t kElementsPerByte = 8;
 constexpr std::uint64_t kMinStride = 4;
 constexpr std::uint64_t kMaxStride = 252;
 
-/// The extension marks buffers that stand only for the decompressed views.
-bool is_placeholder(const JsonPlace& buffer) {
-  for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-    const auto extensions = buffer.find("extensions");
-    const auto extension = extensions ? extensions->find(name) : std::nullopt;
-    const auto fallback = extension ? extension->find("fallback") : std::nullopt;
-    if (fallback && fallback->json().is_boolean() && fallback->json().get<bool>()) return true;
-  }
-  return false;
-}
-
 Result<ByteSpan> data_of_uri(const JsonPlace& buffer, std::string_view uri, GltfTables& tables) {
-  if (!is_data_uri(uri)) {
-    return buffer.error_at("uri",
-                           "fairway opens no files or addresses; send a GLB or embed the buffer as "
-                           "a data URI.");
-  }
   const auto payload = data_uri_payload(uri);
   auto bytes = payload ? decode_base64(*payload) : std::nullopt;
   if (!bytes) return buffer.error_at("uri", "the data URI is not whole base64; encode it again.");
   return ByteSpan(tables.owned.emplace_back(std::move(*bytes)));
 }
 
-Result<GltfBuffer> read_buffer(const JsonPlace& place, std::optional<ByteSpan> bin,
-                               GltfTables& tables) {
-  const auto length = place.required_count("byteLength");
-  if (!length) return length.error();
+/// The bytes of a buffer wherever they stand. Nothing where it needs none.
+Result<std::optional<ByteSpan>> find_data(const JsonPlace& place, std::optional<ByteSpan> bin,
+                                          GltfTables& tables, SideReader& side_files) {
   const auto uri = place.text("uri");
   if (!uri) return uri.error();
-  GltfBuffer buffer{*length, bin};
   if (place.has("uri")) {
-    const auto data = data_of_uri(place, *uri, tables);
-    if (!data) return data.error();
-    buffer.data = *data;
+    const auto data =
+        is_data_uri(*uri) ? data_of_uri(place, *uri, tables) : side_files.read(place, *uri);
+    if (data) return std::optional(*data);
+    const bool needed = is_data_uri(*uri) || !is_fallback_buffer(place);
+    if (needed || data.error().code == ErrorCode::too_large) return data.error();
+    return std::optional<ByteSpan>();
   }
-  if (!buffer.data) {
-    if (is_placeholder(place)) return buffer;
-    return place.error("this buffer has no data; send a GLB or embed it as a data URI.");
-  }
+  if (bin || is_fallback_buffer(place)) return bin;
+  return place.error("this buffer has no data; send a GLB or embed it as a data URI.");
+}
+
+Result<GltfBuffer> read_buffer(const JsonPlace& place, std::optional<ByteSpan> bin,
+                               GltfTables& tables, SideReader& side_files) {
+  const auto length = place.required_count("byteLength");
+  if (!length) return length.error();
+  const auto data = find_data(place, bin, tables, side_files);
+  if (!data) return data.error();
+  GltfBuffer buffer{*length, *data};
+  if (!buffer.data) return buffer;
+  const auto uri = place.text("uri");
+  buffer.is_side_file = uri && place.has("uri") && !is_data_uri(*uri);
   if (buffer.data->size() < *length) {
     return place.error_at("byteLength", fmt::format("{} bytes are stated, {} are there.", *length,
                                                     buffer.data->size()));
@@ -78,7 +74,11 @@ Result<GltfView> read_view(const JsonPlace& place, const GltfTables& tables) {
   if (!end || *end > tables.buffers[*buffer].length) {
     return place.error("this view reaches past the end of its buffer.");
   }
-  return GltfView{*buffer, *offset, *length, *stride};
+  GltfView view{*buffer, *offset, *length, *stride};
+  const auto compression = read_compression(place, view, tables.buffers);
+  if (!compression) return compression.error();
+  view.compression = *compression;
+  return view;
 }
 
 Result<ComponentType> read_component_type(const JsonPlace& place) {
@@ -195,15 +195,15 @@ Result<void> read_all(const JsonPlace& root, std::string_view key, std::vector<T
 }  // namespace
 
 Result<GltfTables> read_tables(const JsonPlace& root, std::optional<ByteSpan> bin,
-                               std::uint64_t input_size) {
+                               std::uint64_t input_size, SideReader& side_files) {
   GltfTables tables;
-  tables.element_limit = input_size * kElementsPerByte;
   const auto buffer = [&](const JsonPlace& place) {
-    return read_buffer(place, tables.buffers.empty() ? bin : std::nullopt, tables);
+    return read_buffer(place, tables.buffers.empty() ? bin : std::nullopt, tables, side_files);
   };
   if (const auto done = read_all(root, "buffers", tables.buffers, buffer); !done) {
     return done.error();
   }
+  tables.element_limit = (input_size + side_files.total()) * kElementsPerByte;
   const auto view = [&](const JsonPlace& place) { return read_view(place, tables); };
   if (const auto done = read_all(root, "bufferViews", tables.views, view); !done) {
     return done.error();
@@ -217,11 +217,12 @@ Result<GltfTables> read_tables(const JsonPlace& root, std::optional<ByteSpan> bi
 
 Result<ByteSpan> view_bytes(const GltfTables& tables, std::size_t view) {
   const GltfView& from = tables.views[view];
+  if (from.decoded) return *from.decoded;
   const GltfBuffer& buffer = tables.buffers[from.buffer];
   if (!buffer.data) {
     return Error{ErrorCode::unsupported_feature,
-                 "The mesh is stored with meshopt compression only, which fairway does not decode; "
-                 "send it uncompressed or with KHR_draco_mesh_compression.",
+                 "The buffer of this view has no data and the view is not compressed as fairway "
+                 "reads it; send the mesh uncompressed.",
                  fmt::format("/bufferViews/{}", view)};
   }
   return buffer.data->subspan(static_cast<std::size_t>(from.offset),

@@ -9,7 +9,9 @@
 #include "core/result.h"
 #include "proto/formats/bytes.h"
 #include "proto/formats/component_type.h"
+#include "proto/formats/gltf_side_files.h"
 #include "proto/formats/json_fields.h"
+#include "proto/formats/meshopt_decoder.h"
 
 namespace fairway {
 
@@ -17,6 +19,15 @@ namespace fairway {
 struct GltfBuffer {
   std::uint64_t length = 0;
   std::optional<ByteSpan> data;  ///< `length` bytes
+  bool is_side_file = false;
+};
+
+/// The meshopt stream that holds the elements of a view; it lies inside its buffer.
+struct GltfCompression {
+  std::size_t buffer = 0;
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+  std::optional<MeshoptLayout> layout;  ///< nothing where mode or filter is not known
 };
 
 /// A buffer view; `offset` + `length` lies inside its buffer.
@@ -25,6 +36,8 @@ struct GltfView {
   std::uint64_t offset = 0;
   std::uint64_t length = 0;
   std::optional<std::uint64_t> stride;
+  std::optional<GltfCompression> compression = {};
+  std::optional<ByteSpan> decoded = {};  ///< `length` bytes, where they had to be decoded
 };
 
 /// The replaced elements of a sparse accessor; both parts lie inside their views.
@@ -58,15 +71,17 @@ struct GltfTables {
   std::vector<GltfBuffer> buffers;
   std::vector<GltfView> views;
   std::vector<GltfAccessor> accessors;
-  std::list<std::vector<std::byte>> owned;  ///< what data URIs held
+  std::list<std::vector<std::byte>> owned;  ///< what data URIs and compressed views held
   /// Most elements that anything may have without bytes of its own for each of them.
   std::uint64_t element_limit = 0;
+  std::uint64_t decoded_bytes = 0;  ///< of compressed views
 };
 
-/// Reads the buffers (data URIs, `bin` for a first buffer without URI), views and accessors of a
-/// document. `input_size` is the size of the whole file. Opens nothing: any other URI is refused.
+/// Reads the buffers (data URIs, `side_files`, `bin` for a first buffer without URI), views and
+/// accessors of a document. `input_size` is the size of the whole file, to which what is read of
+/// side files is added. A buffer that stands only for compressed views needs no data.
 Result<GltfTables> read_tables(const JsonPlace& root, std::optional<ByteSpan> bin,
-                               std::uint64_t input_size);
+                               std::uint64_t input_size, SideReader& side_files);
 
 /// The bytes of a view. Error: unsupported_feature where its buffer has none.
 Result<ByteSpan> view_bytes(const GltfTables& tables, std::size_t view);

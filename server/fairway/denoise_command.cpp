@@ -11,6 +11,7 @@
 #include "server/fairway/commands.h"
 #include "server/fairway/input_file.h"
 #include "server/fairway/pipeline.h"
+#include "server/fairway/side_folder.h"
 
 namespace fairway {
 namespace {
@@ -82,10 +83,11 @@ Result<void> run_by_hand(const DenoiseCommand& command, Parameters parameters) {
   const Result<Format> format = recognise_format(head, "", command.input);
   if (!format) return format.error();
 
+  SideFolder files(command.input);
   const bool bar = !command.quiet && isatty(STDERR_FILENO) != 0;
   const Result<PipelineOutput> output =
       run_pipeline(input->bytes(), *format, parameters,
-                   bar ? ProgressObserver(draw_bar) : ProgressObserver(), {});
+                   bar ? ProgressObserver(draw_bar) : ProgressObserver(), {}, files.provider());
   if (bar) fmt::print(stderr, "\r\033[K");
   if (!output) return output.error();
   if (Result<void> written = write_file(command.output, output->bytes); !written) return written;

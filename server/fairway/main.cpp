@@ -57,7 +57,9 @@ class Tool {
   template <class Command>
   void add_file_verb(const char* name, const char* what, const char* parameters, Command& command) {
     CLI::App* verb = app_.add_subcommand(name, what);
-    verb->add_option("IN", command.input, "GLB, self-contained glTF or Draco file")->required();
+    verb->add_option("IN", command.input,
+                     "GLB, glTF (with the files beside it), Draco, PLY, OBJ or STL file")
+        ->required();
     verb->add_option("OUT", command.output,
                      "Result; the extension chooses .glb, .gltf, .ply, .obj or .stl")
         ->required();

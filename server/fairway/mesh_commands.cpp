@@ -12,6 +12,7 @@
 #include "proto/formats/fresh_gltf.h"
 #include "server/fairway/commands.h"
 #include "server/fairway/input_file.h"
+#include "server/fairway/side_folder.h"
 
 namespace fairway {
 namespace {
@@ -61,7 +62,9 @@ Result<IndexedMesh> read_mesh(const std::string& path) {
   const auto head = file->bytes().first(std::min(file->bytes().size(), kMagicBytes));
   const Result<Format> format = recognise_format(head, "", path);
   if (!format) return format.error();
-  const Result<std::unique_ptr<Document>> document = decode(file->bytes(), *format);
+  SideFolder files(path);
+  const Result<std::unique_ptr<Document>> document =
+      decode(file->bytes(), *format, files.provider());
   if (!document) return document.error();
   IndexedMesh mesh;
   for (const Surface& surface : (*document)->surfaces()) {

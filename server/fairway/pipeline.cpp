@@ -211,9 +211,9 @@ Format output_format(Format input, const Parameters& parameters) {
 
 Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format format,
                                     const Parameters& parameters, const ProgressObserver& observer,
-                                    const std::stop_token& stop) {
+                                    const std::stop_token& stop, const SideFiles& side_files) {
   if (observer) observer({"decode", 0, 0, 0.0});
-  Result<std::unique_ptr<Document>> document = decode(input, format);
+  Result<std::unique_ptr<Document>> document = decode(input, format, side_files);
   if (!document) return document.error();
   std::size_t triangles = 0;
   for (const Surface& s : (*document)->surfaces()) triangles += s.mesh.triangles.size();

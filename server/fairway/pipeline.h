@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "proto/formats/side_files.h"
 #include "proto/messages/format.h"
 #include "proto/messages/parameters.h"
 #include "proto/messages/report.h"
@@ -26,9 +27,10 @@ using ProgressObserver = std::function<void(const Progress&)>;
 
 /// The whole of fairway on one file in memory: decode → topology → flow → curvature → encode.
 /// A mesh of the file that has no usable triangle stays as it is, with a note, as long as another
-/// one has some. Errors: those of decode(), TriangleMesh::build(), denoise() and encode().
+/// one has some. `side_files` are those that a glTF may name beside itself. Errors: those of
+/// decode(), TriangleMesh::build(), denoise() and encode().
 Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format format,
                                     const Parameters& parameters, const ProgressObserver& observer,
-                                    const std::stop_token& stop);
+                                    const std::stop_token& stop, const SideFiles& side_files = {});
 
 }  // namespace fairway
