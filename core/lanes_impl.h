@@ -333,28 +333,28 @@ FAIRWAY_INLINE VectorsOf<V> select(typename Traits<V>::Mask mask, const VectorsO
 /// arctan(t) / t as a polynomial in z = t² for |t| ≤ tan(π/8): Chebyshev approximations with errors
 /// of 6e-10 and 5e-18.
 FAIRWAY_INLINE EightFloats arctangent_ratio(EightFloats z) {
-  constexpr float c[] = {0.99999999939F,  -0.33333307493F, 0.19998210797F,
-                         -0.14239982907F, 0.10572814385F,  -0.06033241468F};
-  EightFloats sum = all(c[5]);
-  for (int i = 4; i >= 0; --i) sum = sum * z + c[i];
+  constexpr float kTerms[] = {0.99999999939F,  -0.33333307493F, 0.19998210797F,
+                              -0.14239982907F, 0.10572814385F,  -0.06033241468F};
+  EightFloats sum = all(kTerms[5]);
+  for (int i = 4; i >= 0; --i) sum = sum * z + kTerms[i];
   return sum;
 }
 template <class V>
 FAIRWAY_INLINE V arctangent_ratio(V z) {
-  constexpr double c[] = {1.0,
-                          -0.33333333333333143,
-                          0.199999999999463,
-                          -0.14285714279750261,
-                          0.11111110768174225,
-                          -0.090908974327320272,
-                          0.076920557002574996,
-                          -0.066630622524228189,
-                          0.058476330961165911,
-                          -0.050383047495815569,
-                          0.038042041250864196,
-                          -0.017884926189723441};
-  V sum = V{} + c[11];
-  for (int i = 10; i >= 0; --i) sum = sum * z + c[i];
+  constexpr double kTerms[] = {1.0,
+                               -0.33333333333333143,
+                               0.199999999999463,
+                               -0.14285714279750261,
+                               0.11111110768174225,
+                               -0.090908974327320272,
+                               0.076920557002574996,
+                               -0.066630622524228189,
+                               0.058476330961165911,
+                               -0.050383047495815569,
+                               0.038042041250864196,
+                               -0.017884926189723441};
+  V sum = V{} + kTerms[11];
+  for (int i = 10; i >= 0; --i) sum = sum * z + kTerms[i];
   return sum;
 }
 

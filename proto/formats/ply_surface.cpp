@@ -170,7 +170,7 @@ Result<void> SurfaceReader::read_polygons(const PlyElement& element) {
     if (auto begun = values_.begin_record(); !begun) return begun;
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const PlyProperty& property = element.properties[p];
-      const auto done = p == *which ? read_list(property) : values_.skip(property);
+      auto done = p == *which ? read_list(property) : values_.skip(property);
       if (!done) return done;
     }
     if (auto ended = values_.end_record(); !ended) return ended;

@@ -136,7 +136,8 @@ void check_seed(std::uint64_t seed) {
   const FlowOptions options = random_options(seed);
   const std::string wrong = counterexample(random.mesh, options);
   INFO("seed " << seed << ", " << random.kind << ", " << describe(options));
-  CHECK(wrong == "");
+  INFO(wrong);
+  CHECK(wrong.empty());
 }
 
 }  // namespace

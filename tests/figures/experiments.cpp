@@ -66,7 +66,7 @@ class Series {
   }
 
   Result<void> add_clean() {
-    const Result<void> done = add("original", clean_);
+    Result<void> done = add("original", clean_);
     if (done) figure_.panels.back().note = fmt::format("{} vertices", clean_.positions.size());
     return done;
   }

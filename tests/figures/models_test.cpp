@@ -90,6 +90,7 @@ TEST_CASE("the part with the vanishing ridge is closed, oriented outward and a b
 TEST_CASE("the ridge's crease follows edges and fades from 60 degrees to none") {
   const IndexedMesh mesh = vanishing_ridge(0.06);
   std::vector<double> angles;
+  angles.reserve(mesh.positions.size());
   for (const Vec3& p : mesh.positions) angles.push_back(vanishing_ridge_angle_at(p));
   CHECK(*std::ranges::max_element(angles) == 60.0);
   CHECK(std::ranges::any_of(angles, [](double angle) { return angle > 0.0 && angle < 5.0; }));

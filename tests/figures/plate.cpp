@@ -185,7 +185,7 @@ class Wall {
   /// of Dyn, Levin, Gregory 1987), beside a corner on the chord.
   Vec3 half_way(const IndexedMesh& mesh, std::size_t i, double down) const {
     const std::size_t n = loop_.size();
-    const Vec3 chord = 0.5 * (at(mesh, i, down) + at(mesh, i + 1, down));
+    Vec3 chord = 0.5 * (at(mesh, i, down) + at(mesh, i + 1, down));
     if (is_corner(loop_, i) || is_corner(loop_, (i + 1) % n)) return chord;
     return 1.125 * chord - 0.0625 * (at(mesh, i + n - 1, down) + at(mesh, i + 2, down));
   }
