@@ -42,8 +42,6 @@ bool solves_system(const FlowOptions& options) {
 template <class Real>
 using Stored = Quad<typename StoredCoordinate<Real>::Type>;
 
-constexpr double kLargestStored = 2.1e9;
-
 template <class Real>
 class Flow final : public PackedFlow {
  public:
@@ -79,7 +77,7 @@ class Flow final : public PackedFlow {
   template <class Kernel>
   double move_by(double bound, const Kernel& kernel);
   double contract(const StepNumbers<Real>& numbers, double bound);
-  double move(const StepNumbers<Real>& numbers, double bound);
+  double move(double bound);
   Outcome solve_step(const StepNumbers<Real>& numbers, double& largest);
   void coarsen();
   /// Calls body(first slice, last slice) for all slices, by ranges.
@@ -335,7 +333,7 @@ double Flow<Real>::move_by(double bound, const Kernel& kernel) {
     for_slices([&](Index first, Index last) { parts[first / kGrain] = kernel(first, last); });
     double largest = 0.0;
     for (const Real part : parts) largest = larger(static_cast<double>(part), largest);
-    const bool fits = std::is_same_v<Real, double> || largest <= kLargestStored;
+    const bool fits = std::is_same_v<Real, double> || largest <= kMostFixedPointUnits;
     if (fits || !(largest * quantum_ <= bound)) return largest * quantum_;
     coarsen();
   }
@@ -362,7 +360,8 @@ double Flow<Real>::contract(const StepNumbers<Real>& numbers, double bound) {
   });
   // Rather too large than too small: by several edges of a vertex at once.
   largest += kEdgesAtOnce * most * quantum_;
-  if (std::is_same_v<Real, double> || largest <= kLargestStored * quantum_ || !(largest <= bound)) {
+  if (std::is_same_v<Real, double> || largest <= kMostFixedPointUnits * quantum_ ||
+      !(largest <= bound)) {
     return largest;
   }
   coarsen();
@@ -371,12 +370,11 @@ double Flow<Real>::contract(const StepNumbers<Real>& numbers, double bound) {
 
 /// A prescribed mean curvature flow step from the fields. Returns like move_by().
 template <class Real>
-double Flow<Real>::move(const StepNumbers<Real>& numbers, double bound) {
+double Flow<Real>::move(double bound) {
   MoveNumbers<Real> how = move_numbers();
   const int passes = options_.curvature_smoothing.passes;
   average_values(how, passes - 1);
   if (passes == 0) how.fraction = 0;
-  how.prescribed = numbers.prescribed;
   return move_by(bound, [&](Index first, Index last) {
     return kernels_.move(kernel_mesh(), how, fields(), first, last, next_.data());
   });
@@ -402,7 +400,7 @@ PackedFlow::Outcome Flow<Real>::step(double lambda, double time_step, double bou
     if (solves_system(options_)) {
       outcome = solve_step(numbers, largest);
     } else {
-      largest = move(numbers, bound);
+      largest = move(bound);
     }
   }
   outcome.in_bounds = largest <= bound;
@@ -420,16 +418,6 @@ PackedFlow::Outcome Flow<Real>::solve_step(const StepNumbers<Real>& numbers, dou
     return {.solved = false};  // create() never makes a single-precision one
   } else {
     if (numbers.prescribed) average_values(move_numbers(), options_.curvature_smoothing.passes);
-    std::vector<Quad<double>> velocity(packed_.slot_count());
-    for (std::size_t slot = 0; slot < velocity.size(); ++slot) {
-      const Quad<double>& h = curvature_[slot];
-      velocity[slot] = {h.x, h.y, h.z, 0.0};
-      if (!numbers.prescribed) continue;
-      const Quad<double>& v = direction_[slot];
-      const double f = value_[slot];
-      velocity[slot] = {h.x - f * v.x, h.y - f * v.y, h.z - f * v.z, 0.0};
-    }
-    for (const Index slot : held_) velocity[slot] = {};
     if (is_anisotropic(options_.method)) {
       // Edges that are no features carry the weight 1 in the system too.
       for (std::size_t s = 0; s < features_.size(); ++s) {
@@ -438,7 +426,7 @@ PackedFlow::Outcome Flow<Real>::solve_step(const StepNumbers<Real>& numbers, dou
       }
     }
     if (!system_) system_.emplace(packed_, team_, isa_);
-    Outcome outcome = system_->solve(x_, velocity, strong_, held_, numbers, options_);
+    const Outcome outcome = system_->solve(x_, fields(), held_, numbers, options_);
     if (!outcome.solved) return outcome;
     const std::span<const Quad<double>> delta = system_->displacement();
     for (std::size_t i = 0; i < delta.size(); ++i) {

@@ -18,19 +18,26 @@ namespace fairway {
 /// between steps for its memory.
 class SystemStep {
  public:
-  SystemStep(const PackedMesh& mesh, ThreadTeam& team, Isa isa) : system_(mesh, team, isa) {}
+  SystemStep(const PackedMesh& mesh, ThreadTeam& team, Isa isa)
+      : mesh_(mesh), system_(mesh, team, isa) {}
 
-  /// `velocity`: H_A − f̃ V_A per slot on the surface `x`, in L, 0 at `held` slots and fillers;
-  /// `strong`: edges with the weight w. Fills displacement(). A system that is not solved is tried
-  /// again with half the step, six times at most. Outcome: solved, time_step, solver_*.
-  PackedFlow::Outcome solve(std::span<const Quad<double>> x, std::span<const Quad<double>> velocity,
-                            std::span<const std::uint8_t> strong, std::span<const Index> held,
-                            const StepNumbers<double>& numbers, const FlowOptions& options);
+  /// On the surface `x`, in L, with the `fields` of each slot: H_A, and for prescribed flows V_A
+  /// and f̃; strong edges have the weight w. `held` slots stay. Fills displacement(). A system that
+  /// is not solved is tried again with half the step, six times at most. Outcome: solved,
+  /// time_step, solver_*.
+  PackedFlow::Outcome solve(std::span<const Quad<double>> x, const KernelFields<double>& fields,
+                            std::span<const Index> held, const StepNumbers<double>& numbers,
+                            const FlowOptions& options);
 
   std::span<const Quad<double>> displacement() const { return displacement_; }
 
  private:
+  void find_velocity(const KernelFields<double>& fields, std::span<const Index> held,
+                     bool prescribed);
+
+  const PackedMesh& mesh_;
   ImplicitSystem system_;
+  std::vector<Quad<double>> velocity_;  // H_A − f̃ V_A, 0 at held slots
   std::vector<Quad<double>> right_side_;
   std::vector<Quad<double>> displacement_;
 };

@@ -1,10 +1,12 @@
 // The packed kernels against the plain operators.
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include <catch2/catch.hpp>
 
 #include "core/denoise.h"
+#include "core/fixed_point.h"
 #include "core/packed_mesh.h"
 #include "core/shapes.h"
 #include "core/surface_geometry.h"
@@ -109,6 +111,15 @@ TEST_CASE("one, two and four threads give the same bits") {
   const std::vector<Vec3> one = run(mesh, options, {.precision = precision, .threads = 1});
   CHECK(run(mesh, options, {.precision = precision, .threads = 2}) == one);
   CHECK(run(mesh, options, {.precision = precision, .threads = 4}) == one);
+}
+
+TEST_CASE("the difference of any two fixed-point coordinates fits 32 bits") {
+  for (double largest = 0.75; largest < 1e5; largest *= 1.0 + 1.0 / 3.0) {
+    for (const double extent : {largest, std::exp2(std::ceil(std::log2(largest)))}) {
+      CHECK(2.0 * extent / fixed_point_unit(extent) < 2147483647.0);
+    }
+  }
+  CHECK(2.0 * kMostFixedPointUnits < 2147483647.0);
 }
 
 TEST_CASE("fixed-point coordinates make room for a surface that grows") {
