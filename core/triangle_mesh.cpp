@@ -9,6 +9,7 @@
 #include <mutex>
 #include <utility>
 
+#include "core/spatial_order.h"
 #include "core/surface_geometry.h"
 #include "core/weld.h"
 
@@ -177,14 +178,14 @@ Result<TriangleMesh> TriangleMesh::build(const IndexedMesh& source) {
   mesh.counts_.source_vertices = source.positions.size();
   mesh.counts_.source_triangles = source.triangles.size();
   Weld weld = weld_equal_positions(source.positions);
-  mesh.place_of_source_ = std::move(weld.place);
-  std::vector<Triangle> faces =
-      proper_triangles(source.triangles, mesh.place_of_source_, mesh.counts_);
+  std::vector<Triangle> faces = proper_triangles(source.triangles, weld.place, mesh.counts_);
   if (faces.empty()) {
     return Error{ErrorCode::invalid_mesh,
                  "No triangle has three distinct corners; check that the coordinates did not "
                  "collapse (far from the origin float32 keeps few digits)."};
   }
+  if (in_no_order(faces, weld.count)) order_in_space(source.positions, weld, faces);
+  mesh.place_of_source_ = std::move(weld.place);
   CornerTable corners = corner_table(faces, weld.count);
   if (corners.may_have_duplicates) {
     drop_duplicates(faces, mesh.counts_);

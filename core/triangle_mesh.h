@@ -29,7 +29,8 @@ struct SurfaceCounts {
 /// equal positions are welded, degenerate and duplicate triangles left out, corners joined only
 /// across edges with exactly two oppositely directed faces (non-manifold fans become copies).
 /// Once it exists, the mathematics on it is total. Immutable; vertices keep the order of their
-/// first appearance in the source. May be read by several threads.
+/// first appearance in the source, except in a large mesh that comes in no order: that one's follow
+/// a Morton curve. May be read by several threads.
 class TriangleMesh {
  public:
   /// Errors: no_triangles (no triangle with three distinct positions), invalid_mesh (all faces

@@ -7,12 +7,21 @@
 #include <cstdint>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 namespace fairway {
 namespace {
 
 // A run of occupied slots this long does not happen by chance at half load.
 constexpr std::size_t kLongestProbe = 64;
+// Positions per part: the table of one stays in the second-level cache, however many there are.
+constexpr std::size_t kPart = 8192;
+
+/// A position as the tables keep it: what is unlike in the hash need not be looked up.
+struct Hashed {
+  std::uint32_t hash;
+  Index item;
+};
 
 std::uint64_t bits(double value) {
   return std::bit_cast<std::uint64_t>(value + 0.0);
@@ -25,29 +34,65 @@ std::uint64_t hash(const Vec3& p) {
   return h ^ (h >> 32U);
 }
 
-/// Nothing where a probe gets too long.
-std::optional<Weld> weld_by_hashing(std::span<const Vec3> positions) {
-  const std::size_t size = std::bit_ceil(2 * positions.size() + kLongestProbe);
-  std::vector<Index> first(size, kNoIndex);
-  Weld weld;
-  weld.place.resize(positions.size());
-  Index count = 0;
-  for (Index i = 0; i < positions.size(); ++i) {
-    std::size_t slot = hash(positions[i]) & (size - 1);
-    std::size_t probes = 0;
-    while (first[slot] != kNoIndex && positions[first[slot]] != positions[i]) {
-      if (++probes > kLongestProbe) return std::nullopt;
-      slot = (slot + 1) & (size - 1);
-    }
-    if (first[slot] == kNoIndex) {
-      first[slot] = i;
-      weld.place[i] = count++;
-    } else {
-      weld.place[i] = weld.place[first[slot]];
+/// All positions, parted by the high bits of their hashes, ascending in each part.
+struct Parts {
+  std::vector<Hashed> items;
+  std::vector<std::size_t> end;  ///< of each part
+
+  explicit Parts(std::span<const Vec3> positions) : items(positions.size()) {
+    const std::size_t count = std::bit_ceil(positions.size() / kPart + 1);
+    end.resize(count);
+    const auto part = [mask = count - 1](std::uint64_t h) { return h >> 32U & mask; };
+    for (const Vec3& p : positions) ++end[part(hash(p))];
+    std::size_t sum = 0;
+    for (std::size_t& e : end) sum = std::exchange(e, sum) + sum;
+    for (Index i = 0; i < positions.size(); ++i) {
+      const std::uint64_t h = hash(positions[i]);
+      items[end[part(h)]++] = {static_cast<std::uint32_t>(h), i};
     }
   }
-  weld.count = count;
-  return weld;
+};
+
+/// Writes the first item at the position of each into `first`. False where a probe gets too long.
+bool find_firsts(std::span<const Vec3> positions, std::span<const Hashed> part,
+                 std::vector<Hashed>& table, std::vector<Index>& first) {
+  const std::size_t mask = std::bit_ceil(2 * part.size() + kLongestProbe) - 1;
+  table.assign(mask + 1, {0, kNoIndex});
+  for (const Hashed& one : part) {
+    std::size_t slot = one.hash & mask;
+    std::size_t probes = 0;
+    while (table[slot].item != kNoIndex &&
+           (table[slot].hash != one.hash || positions[table[slot].item] != positions[one.item])) {
+      if (++probes > kLongestProbe) return false;
+      slot = (slot + 1) & mask;
+    }
+    if (table[slot].item == kNoIndex) table[slot] = one;
+    first[one.item] = table[slot].item;
+  }
+  return true;
+}
+
+/// Numbers the classes: `place` holds the first item of each item's class.
+Weld number(std::vector<Index> place) {
+  Index count = 0;
+  for (Index i = 0; i < place.size(); ++i) {
+    place[i] = place[i] == i ? count++ : place[place[i]];
+  }
+  return {std::move(place), count};
+}
+
+/// Nothing where a probe gets too long.
+std::optional<Weld> weld_by_hashing(std::span<const Vec3> positions) {
+  const Parts parts(positions);
+  std::vector<Index> first(positions.size());
+  std::vector<Hashed> table;
+  std::size_t begin = 0;
+  for (const std::size_t end : parts.end) {
+    const auto part = std::span(parts.items).subspan(begin, end - begin);
+    if (!find_firsts(positions, part, table, first)) return std::nullopt;
+    begin = end;
+  }
+  return number(std::move(first));
 }
 
 Weld weld_by_sorting(std::span<const Vec3> positions) {
@@ -65,14 +110,7 @@ Weld weld_by_sorting(std::span<const Vec3> positions) {
     const bool same = i > 0 && positions[order[i]] == positions[order[i - 1]];
     first[order[i]] = same ? first[order[i - 1]] : order[i];
   }
-  Weld weld;
-  weld.place.resize(positions.size());
-  Index count = 0;
-  for (Index i = 0; i < positions.size(); ++i) {
-    weld.place[i] = first[i] == i ? count++ : weld.place[first[i]];
-  }
-  weld.count = count;
-  return weld;
+  return number(std::move(first));
 }
 
 }  // namespace

@@ -70,12 +70,11 @@ class Bench {
         "topology", [this] { (void)TriangleMesh::build(source_); },
         [this] { (void)plain_topology(source_); });
     compare("reorder", [this] { const PackedMesh packed(mesh_); }, {});
-    PlainFlow plain(source_);
-    steps("amc_step", Method::anisotropic, plain,
-          [&](double lambda, double s) { plain.amc_step(lambda, s); });
-    steps("pmc_step", Method::anisotropic_prescribed, plain,
-          [&](double lambda, double s) { plain.pmc_step(lambda, s); });
-    report_.line(named("implicit_step"), implicit_step(mesh_, mean_edge_, execution(), runs()));
+    steps("amc_step", Method::anisotropic, &PlainFlow::amc_step);
+    steps("pmc_step", Method::anisotropic_prescribed, &PlainFlow::pmc_step);
+    if (wanted("implicit_step")) {
+      report_.line(named("implicit_step"), implicit_step(mesh_, mean_edge_, execution(), runs()));
+    }
     compare("curvature", [this] { (void)curvature(mesh_, mesh_.positions(), execution()); }, {});
     compare("reorder+10amc",
             [this] {
@@ -87,10 +86,14 @@ class Bench {
 
  private:
   Case named(std::string name) const { return {std::move(name), mesh_.vertex_count(), order_}; }
+  bool wanted(const std::string& stage) const {
+    const std::vector<std::string>& stages = settings_.stages;
+    return stages.empty() || std::find(stages.begin(), stages.end(), stage) != stages.end();
+  }
   int runs() const { return mesh_.vertex_count() > kLarge ? 2 : 5; }
   void compare(const std::string& name, const std::function<void()>& ours,
                const std::function<void()>& baseline) const {
-    report_.line(named(name), in_turn(runs(), ours, baseline));
+    if (wanted(name)) report_.line(named(name), in_turn(runs(), ours, baseline));
   }
 
   Execution execution() const {
@@ -147,8 +150,10 @@ class Bench {
 
   /// All steps of a default run, each in its least time, in turn with the plain code, which does
   /// some of them, spread over the run: from the same positions, with the same λ, with warm caches.
-  void steps(const std::string& name, Method method, PlainFlow& plain,
-             const std::function<void(double, double)>& plain_step) const {
+  void steps(const std::string& name, Method method,
+             void (PlainFlow::*plain_step)(double, double)) const {
+    if (!wanted(name)) return;
+    PlainFlow plain(source_);
     const std::size_t count = default_steps(method);
     const std::vector<State> from = states(method, count);
     std::vector<double> ours(count, kLong);
@@ -164,9 +169,10 @@ class Bench {
       for (std::size_t k = 0; k < from.size(); ++k) {
         for (int pass = 0; pass < (large ? 1 : 2); ++pass) {
           plain.set_positions(from[k].positions);
-          theirs[k] = std::min(theirs[k], seconds_of([&] {
-                                 plain_step(from[k].lambda, kStepSize * mean_edge_ * mean_edge_);
-                               }));
+          theirs[k] =
+              std::min(theirs[k], seconds_of([&] {
+                         (plain.*plain_step)(from[k].lambda, kStepSize * mean_edge_ * mean_edge_);
+                       }));
         }
       }
       c.bytes_per_vertex =
@@ -205,6 +211,7 @@ int main(int argc, char** argv) {
   app.add_option("--isa", settings.isa, "portable, avx2 or avx512")->capture_default_str();
   app.add_option("--noise", settings.noise, "Noise of the meshes, in mean edges")
       ->capture_default_str();
+  app.add_option("--stages", settings.stages, "Only these")->delimiter(',');
   app.add_option("--sizes", settings.sizes, "Numbers of vertices")->delimiter(',');
   CLI11_PARSE(app, argc, argv);
   const fairway::bench::Report report(settings);

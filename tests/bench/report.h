@@ -11,7 +11,8 @@ struct Settings {
   bool json = false;
   unsigned threads = 1;
   std::string isa;
-  double noise = 0.1;  ///< in mean edges: the more, the more edges are strong
+  double noise = 0.1;               ///< in mean edges: the more, the more edges are strong
+  std::vector<std::string> stages;  ///< those wanted; all if empty
   std::vector<std::size_t> sizes = {4'000, 35'000, 130'000, 500'000, 1'600'000};
 };
 
