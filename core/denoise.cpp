@@ -84,7 +84,7 @@ class FlowRun {
 
 /// (Re)starts the kernels from x_.
 void FlowRun::load() {
-  mean_edge_ = mean_edge_length(mesh_, x_);
+  mean_edge_ = flow_ ? mean_edge_length(mesh_, x_) : mesh_.mean_edge_length();
   flow_ = PackedFlow::create(mesh_, x_, mean_edge_, held_, options_, execution_);
   bends_ = flow_->bends(false);
 }
@@ -199,16 +199,13 @@ std::vector<unsigned char> FlowRun::find_features() {
 }
 
 FlowReport FlowRun::finish() {
-  const double smallest = smallest_area(mean_edge_);
-  const FaceGeometry before = face_geometry(mesh_, mesh_.positions(), smallest);
-  const FaceGeometry after = face_geometry(mesh_, x_, smallest);
-  report_.volume_before = enclosed_volume(mesh_, mesh_.positions());
-  report_.volume_after = enclosed_volume(mesh_, x_);
-  report_.area_before = surface_area(before);
-  report_.area_after = surface_area(after);
-  for (std::size_t f = 0; f < after.normals.size(); ++f) {
-    if (before.normals[f].dot(after.normals[f]) < 0.0) ++report_.flipped_faces;
-  }
+  const SurfaceChange change =
+      surface_change(mesh_, mesh_.positions(), x_, smallest_area(mean_edge_));
+  report_.volume_before = change.volume_before;
+  report_.volume_after = change.volume_after;
+  report_.area_before = change.area_before;
+  report_.area_after = change.area_after;
+  report_.flipped_faces = change.flipped_faces;
   if (report_.halved_steps > 0) {
     report_.notes.push_back(std::to_string(report_.halved_steps) +
                             " steps were halved until their linear systems could be solved.");

@@ -21,7 +21,7 @@ const HalfedgeMesh::Point kAnywhere(0.0F, 0.0F, 0.0F);
 /// own.
 HalfedgeMesh halfedges(const TriangleMesh& mesh) {
   HalfedgeMesh out;
-  out.reserve(mesh.vertex_count(), mesh.edges().size(), mesh.faces().size());
+  out.reserve(mesh.vertex_count(), mesh.rings().items.size() / 2, mesh.faces().size());
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) out.add_vertex(kAnywhere);
   for (const auto& [a, b, c] : mesh.faces()) {
     std::array<OpenMesh::VertexHandle, 3> corners;
@@ -65,7 +65,7 @@ std::size_t count_components(const HalfedgeMesh& mesh) {
 
 }  // namespace
 
-SurfaceTopology surface_topology(const TriangleMesh& mesh) {
+SurfaceTopology halfedge_topology(const TriangleMesh& mesh) {
   const HalfedgeMesh halfedge_mesh = halfedges(mesh);
   SurfaceTopology out;
   out.components = count_components(halfedge_mesh);

@@ -124,6 +124,31 @@ double enclosed_volume(const TriangleMesh& mesh, std::span<const Vec3> positions
   return six / 6.0;
 }
 
+SurfaceChange surface_change(const TriangleMesh& mesh, std::span<const Vec3> before,
+                             std::span<const Vec3> after, double smallest_area) {
+  SurfaceChange out;
+  const double smallest_normal = 2.0 * smallest_area;
+  double six_before = 0.0;
+  double six_after = 0.0;
+  for (const auto& [a, b, c] : mesh.faces()) {
+    const auto normal = [&, a = a, b = b, c = c](std::span<const Vec3> x, double& six,
+                                                 double& area) {
+      const Vec3 normal = (x[b] - x[a]).cross(x[c] - x[a]);
+      six += x[a].dot(normal);
+      const double twice_area = normal.norm();
+      const bool present = twice_area > smallest_normal;
+      area += present ? 0.5 * twice_area : 0.0;
+      return present ? normal : Vec3(Vec3::Zero());
+    };
+    const Vec3 old_normal = normal(before, six_before, out.area_before);
+    const Vec3 new_normal = normal(after, six_after, out.area_after);
+    out.flipped_faces += old_normal.dot(new_normal) < 0.0 ? 1U : 0U;
+  }
+  out.volume_before = six_before / 6.0;
+  out.volume_after = six_after / 6.0;
+  return out;
+}
+
 double angle_at(const Vec3& at, const Vec3& a, const Vec3& b) {
   const Vec3 u = a - at;
   const Vec3 v = b - at;

@@ -52,6 +52,19 @@ double surface_area(const FaceGeometry& faces);
 /// Signed volume about the origin, length³; for an open surface that of the cone over it.
 double enclosed_volume(const TriangleMesh& mesh, std::span<const Vec3> positions);
 
+/// What a flow did to a surface as a whole.
+struct SurfaceChange {
+  double volume_before = 0.0;  ///< as enclosed_volume()
+  double volume_after = 0.0;
+  double area_before = 0.0;  ///< of the faces present, length²
+  double area_after = 0.0;
+  std::size_t flipped_faces = 0;  ///< faces that turned by more than 90°
+};
+
+/// In one walk over the faces.
+SurfaceChange surface_change(const TriangleMesh& mesh, std::span<const Vec3> before,
+                             std::span<const Vec3> after, double smallest_area);
+
 /// Angle at `at` between the directions to `a` and `b`, radians in [0, π].
 double angle_at(const Vec3& at, const Vec3& a, const Vec3& b);
 

@@ -156,7 +156,7 @@ void TriangleMesh::map_back(const IndexedMesh& source, std::size_t place_count) 
 
 /// No face has an area that counts: nothing on this mesh has a normal.
 bool TriangleMesh::all_faces_flat() const {
-  const double side = 2.0 * smallest_area(mean_edge_length(*this, positions_));
+  const double side = 2.0 * smallest_area(mean_edge_length_);
   return std::none_of(faces_.begin(), faces_.end(), [&](const Triangle& f) {
     const Vec3& a = positions_[f[0]];
     return (positions_[f[1]] - a).cross(positions_[f[2]] - a).norm() > side;
@@ -196,6 +196,7 @@ Result<TriangleMesh> TriangleMesh::build(const IndexedMesh& source) {
   mesh.make_vertices(corners, faces, weld.count);
   mesh.lazy_edges_->corners = std::move(corners);
   mesh.map_back(source, weld.count);
+  mesh.mean_edge_length_ = fairway::mean_edge_length(mesh, mesh.positions_);
   if (mesh.all_faces_flat()) {
     return Error{ErrorCode::invalid_mesh, "Every triangle has zero area; send a surface."};
   }

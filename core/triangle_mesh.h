@@ -41,6 +41,8 @@ class TriangleMesh {
   /// Positions relative to origin(), so that a mesh far away loses no digits.
   const std::vector<Vec3>& positions() const { return positions_; }
   const Vec3& origin() const { return origin_; }
+  /// L of positions(), see mean_edge_length().
+  double mean_edge_length() const { return mean_edge_length_; }
   const std::vector<Triangle>& faces() const { return faces_; }
 
   /// Neighbours of each vertex, counter-clockwise seen from outside. Neighbours k and k + 1 span a
@@ -85,6 +87,7 @@ class TriangleMesh {
   bool all_faces_flat() const;
 
   Vec3 origin_ = Vec3::Zero();
+  double mean_edge_length_ = 0.0;
   std::vector<Vec3> positions_;
   std::vector<Triangle> faces_;
   Adjacency rings_;

@@ -40,6 +40,16 @@ Limits limits_of(ComponentType type) {
   return limits_of<float>();
 }
 
+template <class Stored, class T>
+void read_all(const StridedElements& elements, T* out) {
+  for (std::size_t i = 0; i < elements.count; ++i) {
+    const std::byte* from = elements.first + i * elements.stride;
+    for (std::size_t c = 0; c < elements.components; ++c) {
+      *out++ = static_cast<T>(load<Stored>(from + c * sizeof(Stored)));
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<ComponentType> component_type_of(std::uint64_t number) {
@@ -108,6 +118,29 @@ double read_component(ComponentType type, const std::byte* data) {
       break;
   }
   return load<float>(data);
+}
+
+void read_components(ComponentType type, const StridedElements& elements, double* out) {
+  switch (type) {
+    case ComponentType::i8:
+      return read_all<std::int8_t>(elements, out);
+    case ComponentType::u8:
+      return read_all<std::uint8_t>(elements, out);
+    case ComponentType::i16:
+      return read_all<std::int16_t>(elements, out);
+    case ComponentType::u16:
+      return read_all<std::uint16_t>(elements, out);
+    case ComponentType::u32:
+      return read_all<std::uint32_t>(elements, out);
+    case ComponentType::f32:
+      return read_all<float>(elements, out);
+  }
+}
+
+void read_components(ComponentType type, const StridedElements& elements, std::uint32_t* out) {
+  if (type == ComponentType::u8) return read_all<std::uint8_t>(elements, out);
+  if (type == ComponentType::u16) return read_all<std::uint16_t>(elements, out);
+  return read_all<std::uint32_t>(elements, out);
 }
 
 double decode_component(const ComponentEncoding& encoding, double stored) {

@@ -37,6 +37,19 @@ std::size_t element_size(ComponentType type, std::string_view type_name);
 /// The component at `data` as it is stored; exact.
 double read_component(ComponentType type, const std::byte* data);
 
+/// Elements in a buffer.
+struct StridedElements {
+  const std::byte* first;
+  std::size_t stride;  ///< bytes from one to the next
+  std::size_t count;
+  std::size_t components;  ///< of each, without gaps
+};
+
+/// All components of the elements, one after the other, as they are stored; exact.
+void read_components(ComponentType type, const StridedElements& elements, double* out);
+/// The same of an unsigned integer type.
+void read_components(ComponentType type, const StridedElements& elements, std::uint32_t* out);
+
 /// How numbers become components.
 struct ComponentEncoding {
   ComponentType type = ComponentType::f32;

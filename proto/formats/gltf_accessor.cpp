@@ -14,70 +14,65 @@ Error accessor_error(std::size_t accessor, std::string_view reason) {
           pointer};
 }
 
-/// Where the elements of one view stand.
-struct Elements {
-  const std::byte* first;
-  std::size_t stride;
-
-  const std::byte* operator[](std::uint64_t i) const {
-    return first + static_cast<std::size_t>(i) * stride;
-  }
-};
-
-Result<Elements> elements(const GltfTables& tables, std::size_t view, std::uint64_t offset,
-                          std::size_t size) {
+/// Where the elements of an accessor, or of a part of a sparse one, stand.
+Result<StridedElements> elements(const GltfTables& tables, std::size_t view, std::uint64_t offset,
+                                 std::size_t size) {
   const auto bytes = view_bytes(tables, view);
   if (!bytes) return bytes.error();
-  return Elements{bytes->data() + offset,
-                  static_cast<std::size_t>(tables.views[view].stride.value_or(size))};
+  return StridedElements{bytes->data() + offset,
+                         static_cast<std::size_t>(tables.views[view].stride.value_or(size)), 1, 1};
 }
 
-void copy_element(const GltfAccessor& accessor, const std::byte* from, double* to) {
-  const std::size_t size = size_of(accessor.type);
-  for (int c = 0; c < accessor.components; ++c) {
-    to[c] = read_component(accessor.type, from + static_cast<std::size_t>(c) * size);
-  }
-}
-
-Result<void> apply_sparse(const GltfTables& tables, std::size_t index, std::vector<double>& out) {
+/// Overwrites the elements that a sparse accessor lists.
+template <class T>
+Result<void> apply_sparse(const GltfTables& tables, std::size_t index, std::vector<T>& out) {
   const GltfAccessor& accessor = tables.accessors[index];
   const GltfSparse& sparse = *accessor.sparse;
-  const auto indices =
+  auto indices =
       elements(tables, sparse.indices_view, sparse.indices_offset, size_of(sparse.indices_type));
   if (!indices) return indices.error();
-  const auto values =
-      elements(tables, sparse.values_view, sparse.values_offset, accessor.element_size);
+  auto values = elements(tables, sparse.values_view, sparse.values_offset, accessor.element_size);
   if (!values) return values.error();
+  const auto components = static_cast<std::size_t>(accessor.components);
+  values->components = components;
   for (std::uint64_t i = 0; i < sparse.count; ++i) {
-    const auto at = static_cast<std::uint64_t>(read_component(sparse.indices_type, (*indices)[i]));
+    std::uint32_t at = 0;
+    read_components(sparse.indices_type, *indices, &at);
     if (at >= accessor.count) return accessor_error(index, "a sparse index is out of range.");
-    copy_element(accessor, (*values)[i],
-                 out.data() + at * static_cast<std::uint64_t>(accessor.components));
+    read_components(accessor.type, *values, out.data() + at * components);
+    indices->first += indices->stride;
+    values->first += values->stride;
   }
   return {};
 }
 
-}  // namespace
-
-Result<std::vector<double>> read_stored(const GltfTables& tables, std::size_t index) {
+/// All components, as numbers that hold them.
+template <class T>
+Result<std::vector<T>> read_all(const GltfTables& tables, std::size_t index) {
   const GltfAccessor& accessor = tables.accessors[index];
   // An accessor without a view costs no bytes, so its count proves nothing.
   if (!accessor.view && accessor.count > tables.element_limit) {
     return accessor_error(index, "more elements are stated than the size of the file allows.");
   }
   const auto components = static_cast<std::size_t>(accessor.components);
-  std::vector<double> out(static_cast<std::size_t>(accessor.count) * components, 0.0);
+  std::vector<T> out(static_cast<std::size_t>(accessor.count) * components);
   if (accessor.view) {
-    const auto from = elements(tables, *accessor.view, accessor.offset, accessor.element_size);
+    auto from = elements(tables, *accessor.view, accessor.offset, accessor.element_size);
     if (!from) return from.error();
-    for (std::uint64_t i = 0; i < accessor.count; ++i) {
-      copy_element(accessor, (*from)[i], out.data() + i * components);
-    }
+    from->count = static_cast<std::size_t>(accessor.count);
+    from->components = components;
+    read_components(accessor.type, *from, out.data());
   }
   if (accessor.sparse) {
     if (const auto done = apply_sparse(tables, index, out); !done) return done.error();
   }
   return out;
+}
+
+}  // namespace
+
+Result<std::vector<double>> read_stored(const GltfTables& tables, std::size_t index) {
+  return read_all<double>(tables, index);
 }
 
 Result<std::vector<double>> read_values(const GltfTables& tables, std::size_t index) {
@@ -96,12 +91,7 @@ Result<std::vector<Index>> read_indices(const GltfTables& tables, std::size_t in
   if (!accessor.is_scalar() || !is_unsigned || accessor.normalized) {
     return accessor_error(index, "indices are scalars of an unsigned integer type.");
   }
-  const auto values = read_stored(tables, index);
-  if (!values) return values.error();
-  std::vector<Index> out;
-  out.reserve(values->size());
-  for (const double value : *values) out.push_back(static_cast<Index>(value));
-  return out;
+  return read_all<Index>(tables, index);
 }
 
 }  // namespace fairway

@@ -2,6 +2,7 @@
 
 #include "proto/formats/gltf_primitive.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -65,11 +66,10 @@ Result<std::vector<Index>> index_list(const JsonPlace& primitive, const Triangle
   }
   auto indices = read_indices(tables, *source.indices);
   if (!indices) return indices.error();
-  for (std::size_t i = 0; i < indices->size(); ++i) {
-    if ((*indices)[i] >= vertices) {
-      return primitive.error_at(
-          "indices", fmt::format("index {} at {} of {} vertices.", (*indices)[i], i, vertices));
-    }
+  const auto largest = std::max_element(indices->begin(), indices->end());
+  if (largest != indices->end() && *largest >= vertices) {
+    return primitive.error_at("indices", fmt::format("index {} at {} of {} vertices.", *largest,
+                                                     largest - indices->begin(), vertices));
   }
   return indices;
 }

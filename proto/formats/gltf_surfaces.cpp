@@ -24,6 +24,16 @@ constexpr std::uint64_t kSharesOfDecoded = 8;
 
 using Accessor = std::optional<std::size_t>;
 
+/// Appends triangles whose vertices are counted from `first`.
+void append_triangles(std::vector<Triangle> triangles, Index first, std::vector<Triangle>& out) {
+  if (first == 0 && out.empty()) {
+    out = std::move(triangles);
+    return;
+  }
+  out.reserve(out.size() + triangles.size());
+  for (const auto [a, b, c] : triangles) out.push_back({a + first, b + first, c + first});
+}
+
 /// Builds the surfaces mesh by mesh and keeps count of what the file makes us store.
 class SurfaceGatherer {
  public:
@@ -134,6 +144,7 @@ Result<void> SurfaceGatherer::read_block(const JsonPlace& place, const TriangleS
                                          const VertexBlock& block, Surface& surface) {
   const auto positions = read_attribute(source, "POSITION", block.position);
   if (!positions) return positions.error();
+  surface.mesh.positions.reserve(surface.mesh.positions.size() + block.count);
   for (std::size_t i = 0; i < positions->size(); i += 3) {
     const Vec3 position((*positions)[i], (*positions)[i + 1], (*positions)[i + 2]);
     if (!position.allFinite()) {
@@ -213,13 +224,10 @@ Result<void> SurfaceGatherer::add_primitive(const JsonPlace& place, std::size_t 
     return done;
   }
   const VertexBlock& vertices = plan.blocks[*block];
-  const auto triangles =
+  auto triangles =
       read_triangles(place, **source, vertices.count, tables_, out_.layout.draco_meshes);
   if (!triangles) return triangles.error();
-  for (const Triangle& t : *triangles) {
-    surface.mesh.triangles.push_back(
-        {t[0] + vertices.first, t[1] + vertices.first, t[2] + vertices.first});
-  }
+  append_triangles(*std::move(triangles), vertices.first, surface.mesh.triangles);
   if (place.has("targets")) note("morph targets keep their deltas");
   surface.primitives.push_back(
       {index, vertices.position, vertices.draco_view, vertices.first, vertices.count});

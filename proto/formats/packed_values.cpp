@@ -66,18 +66,33 @@ PackedValues pack_values(std::span<const double> values, const Packing& packing)
 }
 
 PackedValues pack_floats(std::span<const float> values, int components) {
-  const Packing packing{ComponentType::f32, false, components};
-  Packer packer(packing, values.size() / static_cast<std::size_t>(components), Alignment::four);
-  for (const float value : values) packer.add(static_cast<double>(value));
-  return packer.take();
+  const auto per_element = static_cast<std::size_t>(components);
+  PackedValues out;
+  out.components = components;
+  out.count = values.size() / per_element;
+  out.stride = sizeof(float) * per_element;
+  const auto bytes = std::as_bytes(values);
+  out.bytes.assign(bytes.begin(), bytes.end());
+  for (std::size_t c = 0; c < per_element; ++c) {
+    float least = std::numeric_limits<float>::infinity();
+    float most = -least;
+    for (std::size_t i = c; i < values.size(); i += per_element) {
+      least = std::min(least, values[i]);
+      most = std::max(most, values[i]);
+    }
+    out.min.push_back(static_cast<double>(least));
+    out.max.push_back(static_cast<double>(most));
+  }
+  return out;
 }
 
 PackedValues pack_vectors(std::span<const Vec3> vectors) {
-  Packer packer({ComponentType::f32, false, 3}, vectors.size(), Alignment::four);
+  std::vector<float> values;
+  values.reserve(3 * vectors.size());
   for (const Vec3& vector : vectors) {
-    for (int c = 0; c < 3; ++c) packer.add(vector[c]);
+    for (int c = 0; c < 3; ++c) values.push_back(static_cast<float>(vector[c]));
   }
-  return packer.take();
+  return pack_floats(values, 3);
 }
 
 PackedValues pack_triangles(std::span<const Triangle> triangles, Index vertex_count,

@@ -17,6 +17,7 @@ struct DenoiseCommand {
   std::string output;      ///< its extension chooses the format
   std::string parameters;  ///< JSON text, or the name of a file that holds it
   bool quiet = false;
+  bool timings = false;  ///< print how long each stage took
 };
 Result<void> run(const DenoiseCommand& command);
 
@@ -27,6 +28,7 @@ struct CurvatureCommand {
   std::string output;
   std::string parameters;
   bool quiet = false;
+  bool timings = false;
 };
 Result<void> run(const CurvatureCommand& command);
 

@@ -12,6 +12,8 @@
 #include "server/fairway/input_file.h"
 #include "server/fairway/pipeline.h"
 #include "server/fairway/side_folder.h"
+#include "server/fairway/stage_times.h"
+#include "server/os/memory.h"
 
 namespace fairway {
 namespace {
@@ -77,20 +79,27 @@ void print_report(const JobReport& report) {
 
 Result<void> run_by_hand(const DenoiseCommand& command, Parameters parameters) {
   if (Result<void> chosen = choose_output(command.output, parameters); !chosen) return chosen;
+  StageTimes times;
   const Result<InputFile> input = InputFile::open(command.input);
   if (!input) return input.error();
   const auto head = input->bytes().first(std::min(input->bytes().size(), kMagicBytes));
   const Result<Format> format = recognise_format(head, "", command.input);
   if (!format) return format.error();
 
+  prepare_heap(heap_estimate(input->bytes().size()));
   SideFolder files(command.input);
   const bool bar = !command.quiet && isatty(STDERR_FILENO) != 0;
+  const auto observer = [bar, &times](const Progress& progress) {
+    times.begin(progress.stage);
+    if (bar) draw_bar(progress);
+  };
   const Result<PipelineOutput> output =
-      run_pipeline(input->bytes(), *format, parameters,
-                   bar ? ProgressObserver(draw_bar) : ProgressObserver(), {}, files.provider());
+      run_pipeline(input->bytes(), *format, parameters, observer, {}, files.provider());
   if (bar) fmt::print(stderr, "\r\033[K");
   if (!output) return output.error();
+  times.begin("write");
   if (Result<void> written = write_file(command.output, output->bytes); !written) return written;
+  if (command.timings) times.print();
   if (!command.quiet) print_report(output->report);
   return {};
 }
@@ -107,7 +116,8 @@ Result<void> run(const CurvatureCommand& command) {
   Result<Parameters> parameters = read_parameters(command.parameters);
   if (!parameters) return parameters.error();
   parameters->flow.method = Method::none;
-  return run_by_hand({command.input, command.output, {}, command.quiet}, *std::move(parameters));
+  return run_by_hand({command.input, command.output, {}, command.quiet, command.timings},
+                     *std::move(parameters));
 }
 
 }  // namespace fairway

@@ -39,7 +39,7 @@ Result<void> write_file(const std::string& path, std::span<const std::byte> byte
   Result<AtomicFile> file = AtomicFile::create(path + ".tmp-" + random_id());
   if (!file) return file.error();
   if (Result<void> written = write_all(file->descriptor(), bytes); !written) return written;
-  if (Result<void> committed = file->commit(path); !committed) return committed;
+  if (Result<void> renamed = file->rename_to(path); !renamed) return renamed;
   // AtomicFile makes private files; what a person asked for gets the usual permissions.
   const mode_t mask = umask(0);
   umask(mask);

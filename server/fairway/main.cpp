@@ -65,6 +65,7 @@ class Tool {
         ->required();
     verb->add_option("--params", command.parameters, parameters);
     verb->add_flag("--quiet,-q", command.quiet, "Print errors only");
+    verb->add_flag("--timings", command.timings, "Print how long each stage took");
     verb->callback(choose(command));
   }
 

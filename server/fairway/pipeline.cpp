@@ -14,8 +14,8 @@
 #include "core/curvature.h"
 #include "core/denoise.h"
 #include "core/features.h"
-#include "core/halfedge.h"
 #include "core/normals.h"
+#include "core/surface_topology.h"
 #include "core/triangle_mesh.h"
 #include "proto/formats/document.h"
 #include "proto/formats/fixed_vertices.h"
@@ -71,40 +71,45 @@ float to_float(double value) {
   return static_cast<float>(std::clamp(value, -kMost, kMost));
 }
 
-VertexAttribute scalar_attribute(CurvatureKind kind, const std::vector<double>& values) {
+/// Values of surface vertices as those of source vertices; 0 where `vertex` has none.
+VertexAttribute scalar_attribute(CurvatureKind kind, const std::vector<double>& values,
+                                 std::span<const Index> vertex) {
   VertexAttribute out{std::string(attribute_name(kind)), 1, {}};
-  out.values.reserve(values.size());
-  for (const double v : values) out.values.push_back(to_float(v));
+  out.values.reserve(vertex.size());
+  for (const Index v : vertex) out.values.push_back(v == kNoIndex ? 0.0F : to_float(values[v]));
   return out;
 }
 
-VertexAttribute vector_attribute(CurvatureKind kind, const std::vector<Vec3>& values) {
+VertexAttribute vector_attribute(CurvatureKind kind, const std::vector<Vec3>& values,
+                                 std::span<const Index> vertex) {
   VertexAttribute out{std::string(attribute_name(kind)), 3, {}};
-  out.values.reserve(3 * values.size());
-  for (const Vec3& v : values) {
-    for (const double c : {v.x(), v.y(), v.z()}) out.values.push_back(to_float(c));
+  out.values.reserve(3 * vertex.size());
+  for (const Index v : vertex) {
+    const Vec3 value = v == kNoIndex ? Vec3(Vec3::Zero()) : values[v];
+    for (const double c : {value.x(), value.y(), value.z()}) out.values.push_back(to_float(c));
   }
   return out;
 }
 
-VertexAttribute attribute(CurvatureKind kind, const CurvatureFields& fields) {
+VertexAttribute attribute(CurvatureKind kind, const CurvatureFields& fields,
+                          std::span<const Index> vertex) {
   switch (kind) {
     case CurvatureKind::k1:
-      return scalar_attribute(kind, fields.k1);
+      return scalar_attribute(kind, fields.k1, vertex);
     case CurvatureKind::k2:
-      return scalar_attribute(kind, fields.k2);
+      return scalar_attribute(kind, fields.k2, vertex);
     case CurvatureKind::mean:
-      return scalar_attribute(kind, fields.mean);
+      return scalar_attribute(kind, fields.mean, vertex);
     case CurvatureKind::gaussian:
-      return scalar_attribute(kind, fields.gaussian);
+      return scalar_attribute(kind, fields.gaussian, vertex);
     case CurvatureKind::predominant:
-      return scalar_attribute(kind, fields.predominant);
+      return scalar_attribute(kind, fields.predominant, vertex);
     case CurvatureKind::dir1:
-      return vector_attribute(kind, fields.dir1);
+      return vector_attribute(kind, fields.dir1, vertex);
     case CurvatureKind::dir2:
       break;
   }
-  return vector_attribute(kind, fields.dir2);
+  return vector_attribute(kind, fields.dir2, vertex);
 }
 
 /// float32, so that every reader takes it: bytes would have to stand four apart.
@@ -115,17 +120,10 @@ VertexAttribute feature_attribute(std::span<const unsigned char> flags) {
   return out;
 }
 
-/// The attributes of a mesh that cannot be computed with: all zero.
-CurvatureFields no_curvature(std::size_t vertices) {
-  const std::vector<double> zeros(vertices, 0.0);
-  const std::vector<Vec3> none(vertices, Vec3::Zero());
-  return {zeros, zeros, zeros, zeros, zeros, none, none};
-}
-
-void add_attributes(const CurvatureFields& fields, const Parameters& parameters,
-                    SurfaceResult& result) {
+void add_attributes(const CurvatureFields& fields, std::span<const Index> vertex,
+                    const Parameters& parameters, SurfaceResult& result) {
   for (const CurvatureKind kind : parameters.curvature) {
-    result.attributes.push_back(attribute(kind, fields));
+    result.attributes.push_back(attribute(kind, fields, vertex));
   }
 }
 
@@ -139,6 +137,7 @@ SurfaceReport describe(const Surface& surface, const TriangleMesh& mesh, FlowRep
 Result<SurfaceResult> denoise_surface(const Surface& surface, const TriangleMesh& mesh,
                                       const Parameters& parameters, ProgressTeller& progress,
                                       const std::stop_token& stop, JobReport& report) {
+  progress.stage("flow", kBuilt);
   Result<Denoised> denoised = denoise(
       mesh, parameters.flow, [&progress](const FlowStep& step) { progress.step(step); }, stop);
   if (!denoised) return denoised.error();
@@ -154,7 +153,8 @@ Result<SurfaceResult> denoise_surface(const Surface& surface, const TriangleMesh
   }
   progress.stage("curvature", kFlowed);
   if (!parameters.curvature.empty()) {
-    add_attributes(scatter(mesh, curvature(mesh, denoised->positions)), parameters, result);
+    add_attributes(curvature(mesh, denoised->positions), mesh.vertex_of_source(), parameters,
+                   result);
   }
   if (parameters.flow.find_features) {
     result.attributes.push_back(feature_attribute(scatter_flags(mesh, denoised->features)));
@@ -168,7 +168,7 @@ SurfaceResult leave_alone(const Surface& surface, const Parameters& parameters, 
                           JobReport& report) {
   SurfaceResult result;
   const std::size_t vertices = surface.mesh.positions.size();
-  add_attributes(no_curvature(vertices), parameters, result);
+  add_attributes({}, std::vector<Index>(vertices, kNoIndex), parameters, result);
   if (parameters.flow.find_features) {
     result.attributes.push_back(feature_attribute(std::vector<unsigned char>(vertices)));
   }

@@ -19,6 +19,7 @@
 #include "server/fairway/pipeline.h"
 #include "server/os/file.h"
 #include "server/os/line_reader.h"
+#include "server/os/memory.h"
 
 namespace fairway {
 namespace {
@@ -75,6 +76,7 @@ Result<void> work(const WorkerCommand& command) {
   if (!order) return order.error();
   const Result<InputFile> input = InputFile::map(kInput);
   if (!input) return input.error();
+  prepare_heap(heap_estimate(input->bytes().size()));
   Result<PipelineOutput> output =
       run_pipeline(input->bytes(), order->input, order->parameters,
                    [](const Progress& progress) { send(progress); }, {});

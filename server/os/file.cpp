@@ -63,12 +63,17 @@ AtomicFile::~AtomicFile() {
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
-Result<void> AtomicFile::commit(const std::filesystem::path& final_path) {
-  if (::fsync(fd_.get()) != 0) return file_error("make a file durable", errno);
+Result<void> AtomicFile::rename_to(const std::filesystem::path& final_path) {
   if (std::rename(temporary_.c_str(), final_path.c_str()) != 0) {
     return file_error("give a file its final name", errno);
   }
   temporary_.clear();
+  return {};
+}
+
+Result<void> AtomicFile::commit(const std::filesystem::path& final_path) {
+  if (::fsync(fd_.get()) != 0) return file_error("make a file durable", errno);
+  if (auto done = rename_to(final_path); !done) return done;
   const std::filesystem::path directory = final_path.parent_path();
   return sync_directory(directory.empty() ? "." : directory);
 }

@@ -47,6 +47,9 @@ class AtomicFile {
   int descriptor() const { return fd_.get(); }
   /// Gives the file its final name on the same file system. Errors: io, storage_full.
   Result<void> commit(const std::filesystem::path& final_path);
+  /// The same without waiting for the disk: a crash of the machine, not one of the process, may
+  /// lose it. Errors: io.
+  Result<void> rename_to(const std::filesystem::path& final_path);
 
  private:
   AtomicFile(std::filesystem::path temporary, UniqueFd fd)

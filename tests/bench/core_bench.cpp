@@ -21,6 +21,7 @@
 #include "core/shapes.h"
 #include "core/surface_geometry.h"
 #include "core/weld.h"
+#include "server/os/memory.h"
 #include "tests/bench/implicit_bench.h"
 #include "tests/bench/plain_flow.h"
 #include "tests/bench/report.h"
@@ -214,6 +215,9 @@ int main(int argc, char** argv) {
   app.add_option("--stages", settings.stages, "Only these")->delimiter(',');
   app.add_option("--sizes", settings.sizes, "Numbers of vertices")->delimiter(',');
   CLI11_PARSE(app, argc, argv);
+  // As the worker does.
+  const std::size_t largest = *std::max_element(settings.sizes.begin(), settings.sizes.end());
+  fairway::prepare_heap(fairway::heap_estimate(36 * largest));
   const fairway::bench::Report report(settings);
   for (const std::size_t size : settings.sizes) {
     const fairway::IndexedMesh natural = fairway::bench::synthetic(size, settings.noise);

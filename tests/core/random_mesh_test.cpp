@@ -10,8 +10,10 @@
 
 #include "core/curvature.h"
 #include "core/denoise.h"
+#include "core/halfedge.h"
 #include "core/shapes.h"
 #include "core/surface_geometry.h"
+#include "core/surface_topology.h"
 #include "tests/core/generated_meshes.h"
 #include "tests/core/golden_case.h"
 #include "tests/core/random_meshes.h"
@@ -144,6 +146,22 @@ void check_seed(std::uint64_t seed) {
 
 TEST_CASE("any mesh and any options give finite results, or an error, on any number of threads") {
   for (std::uint64_t seed = 0; seed < 100; ++seed) check_seed(seed);
+}
+
+TEST_CASE("rings and halfedges agree about components, boundary loops and Euler characteristic") {
+  std::size_t open = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const Result<TriangleMesh> mesh = TriangleMesh::build(random_mesh(seed).mesh);
+    if (!mesh) continue;
+    const SurfaceTopology rings = surface_topology(*mesh);
+    const SurfaceTopology halfedges = halfedge_topology(*mesh);
+    INFO("seed " << seed);
+    CHECK(rings.components == halfedges.components);
+    CHECK(rings.boundary_loops == halfedges.boundary_loops);
+    CHECK(rings.euler_characteristic == halfedges.euler_characteristic);
+    open += rings.boundary_loops > 1 ? 1 : 0;
+  }
+  CHECK(open > 20);
 }
 
 TEST_CASE("faces without area make no position jump in single precision") {

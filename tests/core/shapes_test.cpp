@@ -7,7 +7,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/halfedge.h"
 #include "core/surface_geometry.h"
 
 namespace fairway::test {

@@ -8,7 +8,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/halfedge.h"
+#include "core/surface_topology.h"
 #include "core/shapes.h"
 
 namespace fairway::test {
