@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,7 +23,9 @@ struct SolverReport {
 
 /// M + s K_A on a packed surface, eqs. (12), (13), in units of the mean edge: nonsymmetric, one row
 /// per slot over its ring. Solved for three right-hand sides at once by BiCGSTAB with a Jacobi
-/// preconditioner: rows are stored divided by their diagonal. Kept between steps for its memory.
+/// preconditioner: rows are stored divided by their diagonal. Iterates in single precision, which
+/// halves the memory traffic, for corrections to the true residual in double; where these stop
+/// paying, in double from the start. Kept between steps for its memory.
 class ImplicitSystem {
  public:
   ImplicitSystem(const PackedMesh& mesh, ThreadTeam& team, Isa isa);
@@ -38,8 +41,10 @@ class ImplicitSystem {
   void assemble(std::span<const Quad<double>> positions, std::span<const std::uint8_t> strong,
                 std::span<const Index> held, const Numbers& numbers);
 
-  /// Solves A x = b from x = 0 to a relative residual of `tolerance`; `x` is overwritten. Entries
-  /// of `b` at held slots and fillers must be 0.
+  /// Solves A x = b from x = 0 to a true relative residual of `tolerance`, or, where rounding ends
+  /// progress, of 10 times that; `x` is overwritten. Entries of `b` at held slots and fillers must
+  /// be 0. `most_iterations` in single precision, and as many again in double where it needs them;
+  /// the report counts both.
   SolverReport solve(std::span<const Quad<double>> b, double tolerance, int most_iterations,
                      std::vector<Quad<double>>& x);
 
@@ -48,18 +53,31 @@ class ImplicitSystem {
   std::span<const double> coefficients() const { return coefficients_; }
 
  private:
-  using Vectors = std::vector<Quad<double>>;
+  struct Goal {
+    std::span<const Quad<double>> b;
+    double tolerance;
+    int most_iterations;
+  };
+  template <class Real>
+  struct Solver;
 
   template <class Kernel>
   SolverSums sum_over(const Kernel& kernel);
+  template <class Real>
+  SolverReport solve_in(const Solver<Real>& solver, const Goal& goal, std::vector<Quad<double>>& x);
+  struct State;
+  template <class Real>
+  int iterate(const Solver<Real>& solver, State& state, int most_iterations);
 
   const PackedMesh& mesh_;
   ThreadTeam& team_;
   const SystemKernels& kernels_;
-  std::vector<double> diagonal_;      // per slot; 1 for fillers and held slots
-  std::vector<double> coefficients_;  // per ring entry, divided by the diagonal
-  Vectors r_, shadow_, p_, v_, t_;    // see SolverVectors
-  std::vector<SolverSums> parts_;     // per range
+  // The matrix: per slot (1 for fillers and held slots), and per ring entry over its diagonal.
+  std::vector<double> diagonal_, coefficients_;
+  std::vector<float> rounded_diagonal_, rounded_coefficients_;
+  std::array<std::vector<Quad<float>>, 6> single_;   // see SolverVectors
+  std::array<std::vector<Quad<double>>, 6> double_;  // empty until a system needs them
+  std::vector<SolverSums> parts_;                    // per range
 };
 
 }  // namespace fairway

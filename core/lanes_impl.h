@@ -19,6 +19,7 @@ namespace {
 
 typedef float EightFloats __attribute__((vector_size(32)));
 typedef std::int32_t EightInts __attribute__((vector_size(32)));
+typedef float FourFloats __attribute__((vector_size(16)));
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef std::int64_t FourLongs __attribute__((vector_size(32)));
 
@@ -240,6 +241,17 @@ FAIRWAY_INLINE EightFloats inverse_root(EightFloats a) {
 }
 FAIRWAY_INLINE EightDoubles inverse_root(EightDoubles a) {
   return 1 / square_root(a);
+}
+
+/// To single precision.
+FAIRWAY_INLINE EightFloats rounded(EightDoubles a) {
+#ifdef __AVX512F__
+  return __builtin_convertvector(a, EightFloats);
+#else
+  return __builtin_shufflevector(__builtin_convertvector(a.low, FourFloats),
+                                 __builtin_convertvector(a.high, FourFloats), 0, 1, 2, 3, 4, 5, 6,
+                                 7);
+#endif
 }
 
 template <class V, class Scalar>

@@ -18,23 +18,33 @@ struct SystemNumbers {
   bool full_mass;
 };
 
+/// Where rows go, in both precisions; see ScaledMatrix.
+struct SystemEntries {
+  double* coefficients;
+  double* diagonal;
+  float* rounded_coefficients;
+  float* rounded_diagonal;
+};
+
 /// Rows over rings, scaled to a unit diagonal: D⁻¹ A.
+template <class Real>
 struct ScaledMatrix {
   const Slice* slices;
   Index slice_count;
   const Index* ring;
-  const double* coefficients;  ///< a_pq / a_pp per entry of the ring
-  const double* diagonal;      ///< a_pp per slot
+  const Real* coefficients;  ///< a_pq / a_pp per entry of the ring
+  const Real* diagonal;      ///< a_pp per slot
 };
 
 /// The vectors of BiCGSTAB.
+template <class Real>
 struct SolverVectors {
-  Quad<double>* x;       ///< solution
-  Quad<double>* r;       ///< residual of the scaled system
-  Quad<double>* shadow;  ///< residual at the start
-  Quad<double>* p;       ///< direction
-  Quad<double>* v;       ///< D⁻¹ A p
-  Quad<double>* t;       ///< D⁻¹ A s, s = r − α v
+  Quad<Real>* x;       ///< solution
+  Quad<Real>* r;       ///< residual of the scaled system
+  Quad<Real>* shadow;  ///< residual at the start
+  Quad<Real>* p;       ///< direction
+  Quad<Real>* v;       ///< D⁻¹ A p
+  Quad<Real>* t;       ///< D⁻¹ A s, s = r − α v
 };
 
 /// The scalars of an iteration, one per column.
@@ -47,25 +57,37 @@ struct SolverSums {
   Quad<double> a, b, c, d;
 };
 
+/// The iteration in one precision. Sums are added up in double, of each slice in Real.
+template <class Real>
+struct SolverKernels {
+  /// For the residual e = b − A x: r = r̃ = p = factor D⁻¹ e, and 0 for the x of the vectors.
+  /// Sums: |e|², |r|².
+  SolverSums (*restart)(const ScaledMatrix<double>&, const Quad<double>* b, const Quad<double>* x,
+                        const Quad<double>& factor, const SolverVectors<Real>&, Index first,
+                        Index last);
+  /// v. Sums: ⟨r̃, v⟩.
+  SolverSums (*search)(const ScaledMatrix<Real>&, const SolverVectors<Real>&, Index first,
+                       Index last);
+  /// t. Sums: ⟨t, s⟩, |t|², ⟨r̃, s⟩, ⟨r̃, t⟩.
+  SolverSums (*stabilise)(const ScaledMatrix<Real>&, const SolverVectors<Real>&,
+                          const SolverScalars&, Index first, Index last);
+  /// x, r and p of the next iteration. Sums: |D r|².
+  SolverSums (*advance)(const ScaledMatrix<Real>&, const SolverVectors<Real>&, const SolverScalars&,
+                        Index first, Index last);
+  /// x += factor times the `correction`.
+  void (*correct)(const Quad<Real>* correction, const Quad<double>& factor, Index first, Index last,
+                  Quad<double>* x);
+};
+
 /// The kernels of one instruction set; each works on slices [first, last).
 struct SystemKernels {
   /// Diagonal (1 where there is no area) and scaled coefficients, from positions in L.
   void (*assemble)(const KernelMesh<double>&, const std::uint8_t* strong, const SystemNumbers&,
-                   Index first, Index last, double* coefficients, double* diagonal);
-  /// x = 0, r = r̃ = p = D⁻¹ b. Sums: |b|², |r|².
-  SolverSums (*start)(const ScaledMatrix&, const Quad<double>* b, const SolverVectors&, Index first,
-                      Index last);
-  /// v. Sums: ⟨r̃, v⟩.
-  SolverSums (*search)(const ScaledMatrix&, const SolverVectors&, Index first, Index last);
-  /// t. Sums: ⟨t, s⟩, |t|², ⟨r̃, s⟩, ⟨r̃, t⟩.
-  SolverSums (*stabilise)(const ScaledMatrix&, const SolverVectors&, const SolverScalars&,
-                          Index first, Index last);
-  /// x, r and p of the next iteration. Sums: |D r|².
-  SolverSums (*advance)(const ScaledMatrix&, const SolverVectors&, const SolverScalars&,
-                        Index first, Index last);
-  /// Sums: |b − A x|².
-  SolverSums (*residual)(const ScaledMatrix&, const Quad<double>* b, const Quad<double>* x,
-                         Index first, Index last);
+                   Index first, Index last, const SystemEntries&);
+  /// Sums: |b|², |D⁻¹ b|².
+  SolverSums (*size)(const double* diagonal, const Quad<double>* b, Index first, Index last);
+  SolverKernels<float> in_single;
+  SolverKernels<double> in_double;
 };
 
 /// The kernels of an instruction set; portable ones where the build has none for it.

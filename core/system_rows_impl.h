@@ -65,12 +65,15 @@ class SystemRows {
   }
 
   /// Scales to a unit diagonal. What is not a number stays so.
-  FAIRWAY_INLINE void finish(double* diagonal) {
+  FAIRWAY_INLINE void finish(double* diagonal, float* rounded_diagonal, float* rounded_entries) {
     diagonal_ = select(diagonal_ <= 0.0, all(1.0), diagonal_);
     store(diagonal, diagonal_);
+    store(rounded_diagonal, rounded(diagonal_));
     const V inverse = 1.0 / diagonal_;
     for (Index k = 0; k < valence_; ++k) {
-      store(entries_ + kLanes * k, load(entries_ + kLanes * k) * inverse);
+      const V entry = load(entries_ + kLanes * k) * inverse;
+      store(entries_ + kLanes * k, entry);
+      store(rounded_entries + kLanes * k, rounded(entry));
     }
   }
 
@@ -122,15 +125,16 @@ FAIRWAY_INLINE void assemble_slice(const KernelMesh<double>& mesh, Index slice, 
 }
 
 void assemble(const KernelMesh<double>& mesh, const std::uint8_t* strong,
-              const SystemNumbers& numbers, Index first, Index last, double* coefficients,
-              double* diagonal) {
+              const SystemNumbers& numbers, Index first, Index last, const SystemEntries& to) {
   const double least = least_twice_area_squared(mesh.quantum);
   for (Index slice = first; slice < last; ++slice) {
     const Slice& s = mesh.slices[slice];
-    SystemRows rows(numbers, strong + s.columns, coefficients + kLanes * std::size_t{s.columns},
-                    s.valence);
+    const std::size_t entries = kLanes * std::size_t{s.columns};
+    const std::size_t slots = kLanes * std::size_t{slice};
+    SystemRows rows(numbers, strong + s.columns, to.coefficients + entries, s.valence);
     assemble_slice(mesh, slice, least, rows);
-    rows.finish(diagonal + kLanes * std::size_t{slice});
+    rows.finish(to.diagonal + slots, to.rounded_diagonal + slots,
+                to.rounded_coefficients + entries);
   }
 }
 
