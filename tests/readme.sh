@@ -26,7 +26,7 @@ id= runs=0
 while IFS= read -r line; do
   line=${line//http:\/\/127.0.0.1:8080/$url}
   line=${line//jobs\/ID/jobs\/$id}
-  rm -f clean.glb
+  rm -f clean.glb clean.gltf
   echo "+ $line"
   answer=$(eval "$line --fail-with-body" </dev/null) || { echo "$answer"; exit 1; }
   new=$(jq -r '.id // empty' <<<"$answer" 2>/dev/null || true)
@@ -39,9 +39,14 @@ while IFS= read -r line; do
     [ "$state" = succeeded ] || { echo "the job ended $state"; exit 1; }
   fi
   case $line in *clean.glb*) [ "$(head -c 4 clean.glb)" = glTF ] || { echo "no mesh came"; exit 1; } ;; esac
+  case $line in
+    *clean.gltf*)
+      jq -e '[.buffers[].uri | startswith("data:")] | all' clean.gltf >/dev/null ||
+        { echo "no self-contained scene came"; exit 1; } ;;
+  esac
   runs=$((runs + 1))
 done < <(grep '^curl ' "$readme")
-[ "$runs" -ge 5 ] || { echo "only $runs curl examples were found"; exit 1; }
+[ "$runs" -ge 6 ] || { echo "only $runs curl examples were found"; exit 1; }
 
 while IFS= read -r line; do
   echo "+ $line"

@@ -11,6 +11,8 @@ namespace {
 
 /// They all end up in one file.
 constexpr std::uint64_t kMaxTotal = std::uint64_t{1} << 30;
+/// Of a URI in a sentence.
+constexpr std::size_t kMostShown = 255;
 
 Result<std::string> media_type(const JsonPlace& image, ByteSpan bytes) {
   const auto stated = image.text("mimeType");
@@ -24,9 +26,10 @@ Result<std::string> media_type(const JsonPlace& image, ByteSpan bytes) {
 
 Result<ByteSpan> SideReader::read(const JsonPlace& place, std::string_view uri) {
   if (!files_) {
-    return place.error_at("uri",
-                          "fairway opens no files or addresses here; send a GLB or embed the file "
-                          "as a data URI.");
+    return place.error_at(
+        "uri", fmt::format("fairway has no file \"{}\" and opens no addresses; embed it as a data "
+                           "URI or upload it as a part of the same form.",
+                           uri.substr(0, kMostShown)));
   }
   const auto path = path_of_uri(uri);
   if (!path) return place.error_at("uri", path.error().message);

@@ -21,10 +21,12 @@ constexpr std::array<std::pair<JobState, std::string_view>, 6> kNames{{
 }};
 
 Json payload_json(const PayloadFacts& payload) {
-  return Json{{"bytes", payload.bytes},
-              {"media_type", media_type_of(payload.format)},
-              {"format", name_of(payload.format)},
-              {"sha256", payload.sha256}};
+  Json json = {{"bytes", payload.bytes},
+               {"media_type", media_type_of(payload.format)},
+               {"format", name_of(payload.format)},
+               {"sha256", payload.sha256}};
+  if (payload.files > 1) json["files"] = payload.files;
+  return json;
 }
 
 Json progress_json(const Progress& progress) {

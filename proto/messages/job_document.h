@@ -34,7 +34,8 @@ std::string rfc3339_utc(UnixMillis time);
 struct PayloadFacts {
   Format format = Format::glb;
   std::uint64_t bytes = 0;
-  std::string sha256;  ///< 64 lower-case hexadecimal digits
+  std::string sha256;     ///< 64 lower-case hexadecimal digits
+  std::size_t files = 1;  ///< that it was uploaded as; shown where there are several
 };
 
 /// Everything a client may know about a job. What is not known yet is absent from the document.

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "proto/messages/bundle.h"
+
 namespace fairway {
 namespace {
 
@@ -36,9 +38,10 @@ int count_of(const Json& json, const char* key) {
 }  // namespace
 
 std::string format_line(const WorkerOrder& order) {
-  return dump_json({{"input", name_of(order.input)},
-                    {"parameters", parameters_document(order.parameters)}}) +
-         "\n";
+  Json json = {{"input", name_of(order.input)},
+               {"parameters", parameters_document(order.parameters)}};
+  if (order.files > 1) json["files"] = order.files;
+  return dump_json(json) + "\n";
 }
 
 Result<WorkerOrder> parse_worker_order(std::string_view line) {
@@ -51,7 +54,11 @@ Result<WorkerOrder> parse_worker_order(std::string_view line) {
   if (!input) return not_an_event("The order names no input format.");
   Result<Parameters> parameters = parse_parameters(dump_json((*json)["parameters"]));
   if (!parameters) return parameters.error();
-  return WorkerOrder{*input, *std::move(parameters)};
+  const Json files = json->value("files", Json(1U));
+  if (!files.is_number_unsigned() || files < 1U || files > kMaxBundleFiles) {
+    return not_an_event("The order names no number of files.");
+  }
+  return WorkerOrder{*input, *std::move(parameters), files.get<std::size_t>()};
 }
 
 std::string format_line(const WorkerEvent& event) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -21,8 +22,9 @@ namespace fairway {
 
 /// The job as the worker gets it.
 struct WorkerOrder {
-  Format input = Format::glb;
+  Format input = Format::glb;  ///< of the mesh
   Parameters parameters;
+  std::size_t files = 1;  ///< more than one: the input is a Bundle of so many files
 };
 
 std::string format_line(const WorkerOrder& order);

@@ -14,6 +14,7 @@
 
 #include "proto/messages/problem.h"
 #include "proto/messages/worker_protocol.h"
+#include "server/fairway/bundled_files.h"
 #include "server/fairway/commands.h"
 #include "server/fairway/input_file.h"
 #include "server/fairway/pipeline.h"
@@ -70,6 +71,27 @@ Result<WorkerOrder> receive_order() {
   }
 }
 
+Result<PipelineOutput> run_bundle(const WorkerOrder& order, std::span<const std::byte> input,
+                                  const ProgressObserver& observer) {
+  Result<Bundle> bundle = Bundle::parse(input);
+  if (!bundle) return Error{ErrorCode::internal, bundle.error().message};
+  if (bundle->files().size() != order.files) {
+    return Error{ErrorCode::internal, "The stored upload has another number of files."};
+  }
+  BundledFiles files(*std::move(bundle));
+  Result<PipelineOutput> output =
+      run_pipeline(files.mesh(), order.input, order.parameters, observer, {}, files.provider());
+  if (!output) return output;
+  for (std::string& note : files.notes()) output->report.notes.push_back(std::move(note));
+  return output;
+}
+
+Result<PipelineOutput> run_order(const WorkerOrder& order, std::span<const std::byte> input) {
+  const ProgressObserver observer = [](const Progress& progress) { send(progress); };
+  if (order.files > 1) return run_bundle(order, input, observer);
+  return run_pipeline(input, order.input, order.parameters, observer, {});
+}
+
 Result<void> work(const WorkerCommand& command) {
   if (Result<void> confined = confine(command); !confined) return confined;
   const Result<WorkerOrder> order = receive_order();
@@ -77,9 +99,7 @@ Result<void> work(const WorkerCommand& command) {
   const Result<InputFile> input = InputFile::map(kInput);
   if (!input) return input.error();
   prepare_heap(heap_estimate(input->bytes().size()));
-  Result<PipelineOutput> output =
-      run_pipeline(input->bytes(), order->input, order->parameters,
-                   [](const Progress& progress) { send(progress); }, {});
+  Result<PipelineOutput> output = run_order(*order, input->bytes());
   if (!output) return output.error();
   if (Result<void> written = write_all(kOutput, output->bytes); !written) return written;
   send(Finished{output->format, report_document(output->report)});

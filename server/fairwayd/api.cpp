@@ -191,7 +191,8 @@ Result<Job> Api::submit(const HttpRequest& request, BodySource& body) {
   const std::string id = random_id();
   auto input = upload->mesh->commit("in-" + id);
   if (!input) return input.error();
-  const NewJob job{id, *input, upload->format, dump_json(parameters_document(upload->parameters))};
+  const NewJob job{id, *input, upload->format, dump_json(parameters_document(upload->parameters)),
+                   upload->files};
   auto stored = jobs_.submit(job, options_.queue_limit);
   if (!stored) {
     [[maybe_unused]] const auto removed = blobs_.remove(input->key);  // else swept at the start
@@ -282,7 +283,7 @@ Json Api::document_of(const Job& job) const {
   facts.created = job.created;
   facts.started = job.started;
   facts.finished = job.finished;
-  facts.input = {job.input_format, job.input.bytes, job.input.sha256};
+  facts.input = {job.input_format, job.input.bytes, job.input.sha256, job.input_files};
   // Both documents were written by this program; one that cannot be read back is shown as null.
   if (auto parameters = parse_json(job.parameters)) facts.parameters = std::move(*parameters);
   if (!job.report.empty()) {

@@ -8,7 +8,8 @@ namespace fairway {
 namespace {
 
 /// Step n brings user_version n to n + 1. Steps are only ever added.
-constexpr std::array<const char*, 1> kSteps{R"sql(
+constexpr std::array<const char*, 2> kSteps{
+    R"sql(
   CREATE TABLE job (
     seq           INTEGER PRIMARY KEY AUTOINCREMENT,
     id            TEXT NOT NULL UNIQUE CHECK (length(id) = 22),
@@ -42,6 +43,9 @@ constexpr std::array<const char*, 1> kSteps{R"sql(
     CHECK (state IN ('failed','expired') OR problem IS NULL)
   ) STRICT;
   CREATE INDEX job_by_state ON job (state, seq);
+)sql",
+    R"sql(
+  ALTER TABLE job ADD COLUMN input_files INTEGER NOT NULL DEFAULT 1 CHECK (input_files >= 1);
 )sql"};
 
 }  // namespace

@@ -27,11 +27,12 @@ struct Job {
   std::optional<UnixMillis> started;
   std::optional<UnixMillis> finished;
   BlobInfo input;
-  Format input_format = Format::glb;
-  std::string parameters;          ///< JSON, as resolved
-  std::optional<Error> problem;    ///< exactly if failed
-  std::string report;              ///< JSON; empty unless succeeded
-  std::optional<BlobInfo> result;  ///< exactly if succeeded
+  Format input_format = Format::glb;  ///< of the mesh
+  std::size_t input_files = 1;        ///< more than one: the input is a Bundle of so many files
+  std::string parameters;             ///< JSON, as resolved
+  std::optional<Error> problem;       ///< exactly if failed
+  std::string report;                 ///< JSON; empty unless succeeded
+  std::optional<BlobInfo> result;     ///< exactly if succeeded
   Format result_format = Format::glb;
 };
 
@@ -41,6 +42,7 @@ struct NewJob {
   BlobInfo input;
   Format input_format = Format::glb;
   std::string parameters;
+  std::size_t input_files = 1;
 };
 
 /// The right to work on a job. Every write through it is refused once another claim, a cancel or a

@@ -15,7 +15,7 @@ namespace {
 #define FAIRWAY_JOB_COLUMNS                                                                   \
   "id, state, revision, attempt, fence, created, started, finished, input_key, input_bytes, " \
   "input_sha256, input_format, parameters, problem, report, result_key, result_bytes, "       \
-  "result_sha256, result_format"
+  "result_sha256, result_format, input_files"
 
 constexpr std::string_view kFind = "SELECT " FAIRWAY_JOB_COLUMNS " FROM job WHERE id = ?";
 constexpr std::string_view kListAll =
@@ -33,7 +33,8 @@ constexpr std::string_view kLeaseOver =
 constexpr std::string_view kCountQueued = "SELECT count(*) FROM job WHERE state = 'queued'";
 constexpr std::string_view kInsert =
     "INSERT INTO job (id, state, revision, attempt, fence, created, input_key, input_bytes, "
-    "input_sha256, input_format, parameters) VALUES (?, 'queued', 1, 1, 0, ?, ?, ?, ?, ?, ?)";
+    "input_sha256, input_format, parameters, input_files) "
+    "VALUES (?, 'queued', 1, 1, 0, ?, ?, ?, ?, ?, ?, ?)";
 constexpr std::string_view kMove =
     "UPDATE job SET state = ?, revision = revision + 1, attempt = ?, fence = ?, lease_owner = ?, "
     "lease_until = ?, started = ?, finished = ?, problem = ?, report = ?, result_key = ?, "
@@ -76,6 +77,7 @@ Job job_of(const Query& row) {
     job.result = BlobInfo{row.text(15), static_cast<std::uint64_t>(row.integer(16)), row.text(17)};
     job.result_format = format_of_name(row.text(18)).value_or(Format::glb);
   }
+  job.input_files = static_cast<std::size_t>(row.integer(19));
   return job;
 }
 
@@ -115,6 +117,7 @@ Result<Job> SqliteJobStore::submit(const NewJob& job, std::size_t queue_limit) {
     insert.bind(job.id).bind(wall_clock()).bind(job.input.key);
     insert.bind(static_cast<std::int64_t>(job.input.bytes)).bind(job.input.sha256);
     insert.bind(name_of(job.input_format)).bind(job.parameters);
+    insert.bind(static_cast<std::int64_t>(job.input_files));
     if (auto row = insert.step(); !row) return row.error();
   }
   auto stored = load(job.id);

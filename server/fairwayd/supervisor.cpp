@@ -140,9 +140,10 @@ Result<WorkerEnd> Supervisor::run_process(Slot& slot, const Claim& claim, BlobDr
   auto parameters = parse_parameters(claim.job.parameters);
   if (!parameters) return parameters.error();
 
-  const WorkerTask task{options_.worker, input->get(), output.descriptor(),
-                        WorkerOrder{claim.job.input_format, std::move(*parameters)},
-                        options_.limits};
+  const WorkerTask task{
+      options_.worker, input->get(), output.descriptor(),
+      WorkerOrder{claim.job.input_format, std::move(*parameters), claim.job.input_files},
+      options_.limits};
   auto next_beat = steady_clock::now() + options_.heartbeat;
   int text_lines = 0;
   const WorkerWatch watch{[&](const Progress& progress) { board_.post(claim.job.id, progress); },

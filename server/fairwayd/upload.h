@@ -16,10 +16,14 @@ inline constexpr std::uint64_t kUploadOverhead = 128 * 1024;
 /// Longest parameter document.
 inline constexpr std::size_t kMaxParameterBytes = 64 * 1024;
 
+/// Most parts of a multipart body, `params` among them.
+inline constexpr std::size_t kMaxUploadParts = 16;
+
 /// A mesh in the spool and what to do with it. Not durable yet.
 struct Upload {
   std::unique_ptr<BlobDraft> mesh;
   Format format = Format::glb;
+  std::size_t files = 1;  ///< more than one: the draft is a Bundle of so many files
   Parameters parameters;
 };
 
@@ -29,8 +33,8 @@ struct Upload {
 Result<void> check_upload(const HttpRequest& request, std::uint64_t max_mesh_bytes);
 
 /// Streams an upload that passed check_upload() into the spool: a raw mesh with `?params=`, or
-/// multipart/form-data with exactly one part `mesh` and at most one part `params`. Never more than
-/// one piece of the mesh is in memory. Errors: as check_upload(), recognise_format(), BodySource,
+/// multipart/form-data with at most one part `params`, a mesh and the files that it names. Never
+/// more than one piece of a file is in memory. Errors: as check_upload(), FileSpool, BodySource,
 /// BlobDraft.
 Result<Upload> receive_upload(const HttpRequest& request, BodySource& body, BlobStore& blobs,
                               std::uint64_t max_mesh_bytes);

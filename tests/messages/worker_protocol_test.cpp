@@ -24,6 +24,21 @@ TEST_CASE("an order survives the wire") {
   CHECK(parameters_document(back->parameters) == parameters_document(order.parameters));
 }
 
+TEST_CASE("an order says how many files its input has, where there are several") {
+  WorkerOrder order{Format::gltf, *parse_parameters("{}")};
+  CHECK(format_line(order).find("files") == std::string::npos);
+  CHECK(parse_worker_order(without_newline(format_line(order)))->files == 1);
+  order.files = 16;
+  const std::string line = without_newline(format_line(order));
+  CHECK(parse_worker_order(line)->files == 16);
+  for (const char* files : {"0", "17", "-1", "1.5", "\"2\"", "null", "[2]"}) {
+    std::string lie = line;
+    lie.replace(lie.rfind("16"), 2, files);
+    CAPTURE(lie);
+    CHECK_FALSE(parse_worker_order(lie));
+  }
+}
+
 TEST_CASE("events survive the wire") {
   const auto round_trip = [](const WorkerEvent& event) {
     Result<WorkerEvent> back = parse_worker_event(without_newline(format_line(event)));

@@ -25,6 +25,13 @@ TEST_CASE("a queued job's document says what is known and nothing else") {
   CHECK_FALSE(document["links"].contains("result"));
 }
 
+TEST_CASE("an input of several files says how many") {
+  JobFacts job;
+  CHECK_FALSE(job_document(job)["input"].contains("files"));
+  job.input.files = 3;
+  CHECK(job_document(job)["input"]["files"] == 3);
+}
+
 TEST_CASE("progress is shown while a job runs only") {
   JobFacts job;
   job.progress = Progress{"flow", 2, 10, 0.3};

@@ -317,6 +317,37 @@ TEST_CASE("many threads claim every job exactly once") {
   CHECK(claimed == kJobs);
 }
 
+TEST_CASE("how many files an input has is kept") {
+  Fixture f;
+  const std::string id = random_id();
+  REQUIRE(f.store().submit({id, {"in", 1, "aa"}, Format::gltf, "{}", 3}, kRoom));
+  f.reopen();
+  CHECK(f.find(id).input_files == 3);
+  CHECK(f.claim().job.input_files == 3);
+}
+
+TEST_CASE("jobs of a fairwayd that knew one file per job are still done") {
+  test::TemporaryDirectory directory;
+  const auto path = directory.path() / "jobs.sqlite";
+  const std::string id = random_id();
+  {
+    auto store = SqliteJobStore::open(path);
+    REQUIRE(store);
+    REQUIRE((*store)->submit({id, {"in", 1, "aa"}, Format::glb, "{}"}, kRoom));
+    auto database = Database::open(path);
+    REQUIRE(database);
+    REQUIRE(database->execute("ALTER TABLE job DROP COLUMN input_files"));
+    REQUIRE(database->execute("PRAGMA user_version = 1"));
+  }
+  auto store = SqliteJobStore::open(path);
+  REQUIRE(store);
+  const auto claimed = (*store)->claim("host", 60s);
+  REQUIRE(claimed);
+  REQUIRE(*claimed);
+  CHECK((*claimed)->job.id == id);
+  CHECK((*claimed)->job.input_files == 1);
+}
+
 TEST_CASE("a database of a newer fairwayd is refused") {
   test::TemporaryDirectory directory;
   const auto path = directory.path() / "jobs.sqlite";

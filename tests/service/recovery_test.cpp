@@ -9,6 +9,7 @@
 #include "server/fairwayd/sqlite_job_store.h"
 #include "tests/service/job_follower.h"
 #include "tests/service/sample_glb.h"
+#include "tests/service/sample_scene.h"
 #include "tests/service/service_process.h"
 #include "tests/service/temporary_directory.h"
 
@@ -42,6 +43,35 @@ TEST_CASE("a job survives the death of its server right after the 202") {
   CHECK(job["state"] == "succeeded");
   CHECK(job["attempt"] == 1);
   CHECK(service.client().get(path + "/result").status == 200);
+}
+
+TEST_CASE("a job of several files survives the death of its server, before and while it runs") {
+  const TemporaryDirectory directory;
+  const SampleScene scene(60);
+  std::string path;
+  Json accepted;
+  for (int death = 0; death < 3; ++death) {
+    ServiceProcess service(directory.path());
+    const HttpClient client = service.client();
+    if (path.empty()) {
+      const Answer answer = client.post("/v1/jobs", form_body(scene.parts(kSteps)), kFormType);
+      REQUIRE(answer.status == 202);
+      path = answer.header("location");
+      accepted = answer.json();
+    } else {
+      wait_until_busy(client, path);
+    }
+    service.kill();
+  }
+  const ServiceProcess service(directory.path());
+  const Json job = wait_until_final(service.client(), path);
+  CAPTURE(job.dump());
+  CHECK(job["state"] == "succeeded");
+  CHECK(job["attempt"] == 1);
+  CHECK(job["input"] == accepted["input"]);
+  CHECK(job["input"]["files"] == 3);
+  const Answer result = service.client().get(path + "/result");
+  CHECK((result.body == denoised_by_tool(scene, "out.gltf", kSteps)));
 }
 
 TEST_CASE("a running job survives the death of its server, which is not counted") {
