@@ -196,11 +196,15 @@ const DracoAttribute* DracoMesh::find_unique(std::uint64_t unique_id) const {
   return it == attributes_.end() ? nullptr : &*it;
 }
 
+Result<void> DracoMesh::check_values(const DracoAttribute& attribute) const {
+  if (maps_inside(*decoded_->mesh->attribute(attribute.id), point_count_)) return {};
+  return broken("has points without values");
+}
+
 Result<std::vector<double>> DracoMesh::values(const DracoAttribute& attribute) const {
-  const draco::PointAttribute* from = decoded_->mesh->attribute(attribute.id);
+  if (const auto done = check_values(attribute); !done) return done.error();
   try {
-    if (!maps_inside(*from, point_count_)) return broken("has points without values");
-    return copy_values(*from, point_count_);
+    return copy_values(*decoded_->mesh->attribute(attribute.id), point_count_);
   } catch (const std::bad_alloc&) {
     return out_of_memory();
   }

@@ -43,6 +43,9 @@ class DracoMesh {
   const DracoAttribute* find(DracoKind kind) const;
   const DracoAttribute* find_unique(std::uint64_t unique_id) const;
 
+  /// Whether every point has a value of the attribute. Error: invalid_mesh.
+  Result<void> check_values(const DracoAttribute& attribute) const;
+
   /// Components of every point as they are stored. Errors: invalid_mesh, too_large.
   Result<std::vector<double>> values(const DracoAttribute& attribute) const;
 

@@ -7,6 +7,18 @@
 namespace fairway {
 namespace {
 
+/// Whether the values of an attribute can be those of the accessor that labels it. Asked when the
+/// file is read, so that nothing is left to be found out after the work is done.
+Result<void> check_label(const DracoMesh& mesh, const DracoAttribute& attribute,
+                         const GltfAccessor& accessor) {
+  if (attribute.components != accessor.components || accessor.matrix) {
+    return Error{ErrorCode::invalid_mesh,
+                 "An attribute of the Draco data has another number of components than its "
+                 "accessor states."};
+  }
+  return mesh.check_values(attribute);
+}
+
 /// Stored values of Draco's type become stored values of the accessor's type.
 void convert(const DracoAttribute& from, const GltfAccessor& to, std::vector<double>& values) {
   if (from.type == to.type) return;
@@ -21,11 +33,6 @@ void convert(const DracoAttribute& from, const GltfAccessor& to, std::vector<dou
 
 Result<std::vector<double>> stored_values(const DracoMesh& mesh, const DracoAttribute& attribute,
                                           const GltfAccessor& accessor) {
-  if (attribute.components != accessor.components || accessor.matrix) {
-    return Error{ErrorCode::invalid_mesh,
-                 "An attribute of the Draco data has another number of components than its "
-                 "accessor states."};
-  }
   auto values = mesh.values(attribute);
   if (values) convert(attribute, accessor, *values);
   return values;
@@ -61,7 +68,8 @@ Result<std::optional<DracoUse>> read_draco_use(const JsonPlace& primitive,
 }
 
 Result<void> decode_draco_use(const JsonPlace& primitive, const DracoUse& use,
-                              const GltfTables& tables, DracoMeshes& meshes) {
+                              const AttributeAccessors& accessors, const GltfTables& tables,
+                              DracoMeshes& meshes) {
   auto found = meshes.find(use.view);
   if (found == meshes.end()) {
     const auto bytes = view_bytes(tables, use.view);
@@ -71,10 +79,17 @@ Result<void> decode_draco_use(const JsonPlace& primitive, const DracoUse& use,
     if (!mesh) return primitive.error("its Draco data is broken. " + mesh.error().message);
     found = meshes.emplace(use.view, *std::move(mesh)).first;
   }
+  const DracoMesh& mesh = found->second;
   for (const auto& [name, id] : use.ids) {
-    if (found->second.find_unique(id) == nullptr) {
+    const DracoAttribute* attribute = mesh.find_unique(id);
+    if (attribute == nullptr) {
       return primitive.error("its Draco data has no attribute with the id of " +
                              (name.size() <= 64 ? name : name.substr(0, 64)) + ".");
+    }
+    const auto label = accessors.find(name);
+    if (label == accessors.end()) continue;
+    if (auto done = check_label(mesh, *attribute, tables.accessors[label->second]); !done) {
+      return primitive.error(done.error().message);
     }
   }
   return {};

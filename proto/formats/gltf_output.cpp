@@ -107,9 +107,11 @@ void GltfOutput::embed_image(const SideImage& image) {
     return;
   }
   add_bytes(image.bytes);
-  json.erase("uri");
-  json["bufferView"] = json_["bufferViews"].size() - 1;
-  json["mimeType"] = image.media_type;
+  // A first view is a new key of the document, which moves what `json` refers to.
+  Json& moved = json_["images"][image.index];
+  moved.erase("uri");
+  moved["bufferView"] = json_["bufferViews"].size() - 1;
+  moved["mimeType"] = image.media_type;
 }
 
 void GltfOutput::embed_side_files() {

@@ -31,6 +31,8 @@ void straighten(const Vec3& normal, double* tangent) {
   for (int c = 0; c < 3; ++c) tangent[c] = t[c];
 }
 
+constexpr std::string_view kIndices = "indices";
+
 /// Bounds are stated where they were.
 Bounds bounds_of(const Json& accessor) {
   const bool had = accessor.contains("min") || accessor.contains("max");
@@ -83,7 +85,8 @@ class SurfacePatch {
   Result<PackedValues> straight_tangents(const SurfacePrimitive& primitive,
                                          std::size_t accessor) const;
   template <class Make>
-  Result<void> place(const Slot& slot, const Make& make, Json& index);
+  Result<void> place(const Slot& slot, const Make& make, const SurfacePrimitive& primitive,
+                     std::string_view name);
   std::optional<std::size_t> label_of(const SurfacePrimitive& primitive,
                                       std::string_view name) const;
 
@@ -96,9 +99,12 @@ class SurfacePatch {
   std::map<Key, std::size_t> made_;
 };
 
-/// Points `index` to the accessor of a slot. Only its first primitive has the values made.
+/// Points "indices" or the attribute `name` of a primitive to the accessor of a slot. Only its
+/// first primitive has the values made. No reference into the DOM outlives a new accessor, for
+/// which the DOM may have to move: a document may come without "bufferViews".
 template <class Make>
-Result<void> SurfacePatch::place(const Slot& slot, const Make& make, Json& index) {
+Result<void> SurfacePatch::place(const Slot& slot, const Make& make,
+                                 const SurfacePrimitive& primitive, std::string_view name) {
   const auto [found, is_new] = made_.try_emplace(slot.key, 0);
   if (is_new) {
     const Result<PackedValues> values = make();
@@ -110,7 +116,8 @@ Result<void> SurfacePatch::place(const Slot& slot, const Make& make, Json& index
       found->second = output_.add_accessor(*values, slot.target, slot.bounds);
     }
   }
-  index = found->second;
+  Json& json = json_of(primitive);
+  (name == kIndices ? json[name] : json["attributes"][name]) = found->second;
   return {};
 }
 
@@ -125,7 +132,6 @@ std::optional<std::size_t> SurfacePatch::label_of(const SurfacePrimitive& primit
 Result<void> SurfacePatch::unpack_draco(const SurfacePrimitive& primitive) {
   const DracoUse& use = *primitive.source.draco;
   const DracoMesh& mesh = draco_.at(use.view);
-  Json& json = json_of(primitive);
   for (const auto& [name, id] : use.ids) {
     const auto accessor = primitive.source.attribute(name);
     const bool replaced = result_.moved && (name == "POSITION" || name == "NORMAL");
@@ -135,9 +141,10 @@ Result<void> SurfacePatch::unpack_draco(const SurfacePrimitive& primitive) {
         name == "POSITION" ? Bounds::stated : bounds_of(output_.json()["accessors"][*accessor]);
     const DracoAttribute& attribute = *mesh.find_unique(id);
     const auto make = [&] { return pack_draco(mesh, attribute, tables_.accessors[*accessor]); };
-    if (auto done = place(slot, make, json["attributes"][name]); !done) return done;
+    if (auto done = place(slot, make, primitive, name); !done) return done;
   }
   if (auto done = unpack_indices(primitive); !done) return done;
+  Json& json = json_of(primitive);
   if (primitive.source.mode != PrimitiveMode::triangles) json["mode"] = 4;
   json["extensions"].erase(kDracoExtension);
   if (json["extensions"].empty()) json.erase("extensions");
@@ -153,12 +160,11 @@ Result<void> SurfacePatch::unpack_indices(const SurfacePrimitive& primitive) {
     return pack_triangles(mesh.triangles(), mesh.point_count(),
                           indices ? tables_.accessors[*indices].type : ComponentType::u16);
   };
-  return place(slot, make, json_of(primitive)["indices"]);
+  return place(slot, make, primitive, kIndices);
 }
 
 Result<void> SurfacePatch::move(const SurfacePrimitive& primitive) {
   const VertexBlock& block = plan_.blocks[primitive.block];
-  Json& attributes = json_of(primitive)["attributes"];
   // Blocks that share the POSITION accessor hold the same places, so they share the new one too.
   const Slot position{{block.position, block.draco_view.value_or(kNoIndex), "POSITION"},
                       label_of(primitive, "POSITION"),
@@ -167,13 +173,13 @@ Result<void> SurfacePatch::move(const SurfacePrimitive& primitive) {
   const auto make_position = [&]() -> Result<PackedValues> {
     return pack_vectors(std::span(result_.positions).subspan(block.first, block.count));
   };
-  auto done = place(position, make_position, attributes["POSITION"]);
+  auto done = place(position, make_position, primitive, "POSITION");
   if (!done || !block.normal) return done;
   const Slot normal{{*block.normal, primitive.block, "NORMAL"}, label_of(primitive, "NORMAL")};
   const auto make_normal = [&]() -> Result<PackedValues> {
     return pack_vectors(std::span(result_.normals).subspan(block.first, block.count));
   };
-  return place(normal, make_normal, attributes["NORMAL"]);
+  return place(normal, make_normal, primitive, "NORMAL");
 }
 
 Result<PackedValues> SurfacePatch::straight_tangents(const SurfacePrimitive& primitive,
@@ -200,13 +206,11 @@ Result<void> SurfacePatch::straighten_tangents(const SurfacePrimitive& primitive
     return {};
   }
   const auto make = [&] { return straight_tangents(primitive, *accessor); };
-  return place({{*accessor, primitive.block, "straight"}}, make,
-               json_of(primitive)["attributes"]["TANGENT"]);
+  return place({{*accessor, primitive.block, "straight"}}, make, primitive, "TANGENT");
 }
 
 Result<void> SurfacePatch::add_attributes(const SurfacePrimitive& primitive) {
   const VertexBlock& block = plan_.blocks[primitive.block];
-  Json& attributes = json_of(primitive)["attributes"];
   for (const VertexAttribute& attribute : result_.attributes) {
     const auto make = [&]() -> Result<PackedValues> {
       const auto components = static_cast<std::size_t>(attribute.components);
@@ -215,7 +219,7 @@ Result<void> SurfacePatch::add_attributes(const SurfacePrimitive& primitive) {
       return pack_floats(values, attribute.components);
     };
     const Slot slot{{block.position, block.draco_view.value_or(kNoIndex), attribute.name}};
-    if (auto done = place(slot, make, attributes[attribute.name]); !done) return done;
+    if (auto done = place(slot, make, primitive, attribute.name); !done) return done;
   }
   return {};
 }

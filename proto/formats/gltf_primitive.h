@@ -16,7 +16,7 @@ enum class PrimitiveMode { triangles = 4, strip = 5, fan = 6 };
 /// one element per vertex.
 struct TriangleSource {
   PrimitiveMode mode = PrimitiveMode::triangles;
-  std::map<std::string, std::size_t, std::less<>> attributes;  ///< name → accessor
+  AttributeAccessors attributes;
   std::optional<std::size_t> indices;
   std::optional<DracoUse> draco;
 

@@ -46,7 +46,7 @@ class SurfaceGatherer {
  private:
   Result<void> add_primitive(const JsonPlace& place, std::size_t index, Surface& surface,
                              SurfacePlan& plan);
-  Result<void> decode(const JsonPlace& place, const DracoUse& use);
+  Result<void> decode(const JsonPlace& place, const TriangleSource& source);
   Result<std::size_t> block_of(const JsonPlace& place, const TriangleSource& source,
                                Surface& surface, SurfacePlan& plan);
   Result<void> read_block(const JsonPlace& place, const TriangleSource& source,
@@ -167,9 +167,12 @@ Result<void> SurfaceGatherer::read_block(const JsonPlace& place, const TriangleS
   return {};
 }
 
-Result<void> SurfaceGatherer::decode(const JsonPlace& place, const DracoUse& use) {
+Result<void> SurfaceGatherer::decode(const JsonPlace& place, const TriangleSource& source) {
+  const DracoUse& use = *source.draco;
   const std::size_t before = out_.layout.draco_meshes.size();
-  if (auto done = decode_draco_use(place, use, tables_, out_.layout.draco_meshes); !done)
+  if (auto done =
+          decode_draco_use(place, use, source.attributes, tables_, out_.layout.draco_meshes);
+      !done)
     return done;
   if (out_.layout.draco_meshes.size() > before) {
     const DracoMesh& mesh = out_.layout.draco_meshes.at(use.view);
@@ -215,7 +218,7 @@ Result<void> SurfaceGatherer::add_primitive(const JsonPlace& place, std::size_t 
   if (auto done = check_repeats(place, **source); !done) return done;
   if (auto done = decode_views(**source, tables_); !done) return done;
   if ((*source)->draco) {
-    if (auto done = decode(place, *(*source)->draco); !done) return done;
+    if (auto done = decode(place, **source); !done) return done;
   }
   const auto block = block_of(place, **source, surface, plan);
   if (!block) return block.error();

@@ -184,6 +184,19 @@ TEST_CASE("primitives that share compressed data each come back plain") {
   CHECK(decoded(after.glb())->surfaces()[1].mesh.triangles.size() == 12);
 }
 
+TEST_CASE("a compressed attribute that its accessor cannot hold is refused when the file is read") {
+  for (const char* type : {"SCALAR", "VEC3", "MAT2"}) {
+    SampleGlb sample = draco_glb(kEverything);
+    const auto accessor = primitive_of(sample)["attributes"]["TEXCOORD_0"].get<std::size_t>();
+    sample.json["accessors"][accessor]["type"] = type;
+    const Bytes glb = sample.glb();
+    const auto document = decode(glb, Format::glb);
+    REQUIRE_FALSE(document);
+    CHECK(document.error().code == ErrorCode::invalid_mesh);
+    CHECK(document.error().pointer == "/meshes/0/primitives/0");
+  }
+}
+
 TEST_CASE("compressed primitives whose labels disagree with the data are refused") {
   for (const std::size_t accessor : {0U, 1U}) {
     for (const int count : {3, 100000}) {

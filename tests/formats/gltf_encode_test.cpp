@@ -43,6 +43,25 @@ constexpr const char* kPosition = "/meshes/0/primitives/0/attributes/POSITION";
 
 }  // namespace
 
+TEST_CASE("a document without any buffer view gets its attributes") {
+  SampleGlb sample = empty_sample();
+  sample.json["accessors"] = {{{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}}};
+  sample.add_mesh(Json::array({{{"attributes", {{"POSITION", 0}}}}}));
+  const Decoded document = decoded(sample.glb());
+  auto results = shifted(*document, Vec3(1, 2, 3));
+  for (int i = 0; i < 4; ++i) add_ramp(*document, "_RAMP" + std::to_string(i), 1, results);
+  const auto bytes = document->encode(results, Format::glb);
+  REQUIRE(bytes);
+  SampleGlb after = parse_sample(*bytes);
+  after.bin = data_uri_bytes(after.json["buffers"][0]["uri"]);
+  const Json& attributes = after.json["meshes"][0]["primitives"][0]["attributes"];
+  REQUIRE(attributes["POSITION"] != 0);
+  CHECK(floats_of(after, attributes["POSITION"])[4] == 2.0F);
+  for (int i = 0; i < 4; ++i) {
+    CHECK(floats_of(after, attributes["_RAMP" + std::to_string(i)])[2] == 2.0F);
+  }
+}
+
 TEST_CASE("encoder changes nothing but the keys it must") {
   const SampleGlb before = rich_sample();
   const auto document = decoded(before.glb());
