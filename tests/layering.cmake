@@ -35,10 +35,13 @@ forbid(server/fairway "server/fairwayd/|httplib|sqlite3" "the tool knows no HTTP
 # One includer per foreign library.
 foreach(room core proto server)
   forbid(${room} "OpenMesh/" "only core/halfedge.cpp includes OpenMesh" core/halfedge.cpp)
-  forbid(${room} "draco/" "only proto/formats/draco_decoder.cpp includes Draco"
-         proto/formats/draco_decoder.cpp)
-  forbid(${room} "meshoptimizer" "only proto/formats/meshopt_decoder.cpp includes meshoptimizer"
-         proto/formats/meshopt_decoder.cpp)
+  forbid(${room} "draco/" "only draco_decoder.cpp and draco_encoder.cpp include Draco"
+         proto/formats/draco_decoder.cpp proto/formats/draco_encoder.cpp
+         proto/formats/draco_library.h)
+  forbid(${room} "proto/formats/draco_library.h" "it shows the library"
+         proto/formats/draco_decoder.cpp proto/formats/draco_encoder.cpp)
+  forbid(${room} "meshoptimizer" "only meshopt_decoder.cpp and meshopt_encoder.cpp include meshoptimizer"
+         proto/formats/meshopt_decoder.cpp proto/formats/meshopt_encoder.cpp)
   forbid(${room} "tiny_gltf" "only proto/formats/fresh_gltf.cpp includes tinygltf"
          proto/formats/fresh_gltf.cpp)
   forbid(${room} "sqlite3" "only server/fairwayd/sqlite.cpp includes sqlite"

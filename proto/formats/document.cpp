@@ -40,6 +40,13 @@ Result<std::unique_ptr<Document>> decode_format(std::span<const std::byte> bytes
 
 }  // namespace
 
+Result<std::vector<std::byte>> Document::encode(std::span<const SurfaceResult> results,
+                                                Format format) const {
+  auto out = write(results, format, {});
+  if (!out) return out.error();
+  return std::move(out->bytes);
+}
+
 Result<std::unique_ptr<Document>> decode(std::span<const std::byte> bytes, Format format,
                                          const SideFiles& side_files) {
   auto document = decode_format(bytes, format, side_files);

@@ -10,6 +10,7 @@
 #include "core/mesh.h"
 #include "core/result.h"
 #include "proto/formats/side_files.h"
+#include "proto/messages/encoding.h"
 #include "proto/messages/format.h"
 
 namespace fairway {
@@ -51,6 +52,12 @@ struct SurfaceResult {
   std::vector<VertexAttribute> attributes;
 };
 
+/// A written file.
+struct Encoded {
+  std::vector<std::byte> bytes;
+  std::vector<std::string> notes;  ///< sentences for the job's notes: errors of quantisation …
+};
+
 /// A decoded file: its surfaces, and all that is needed to write it back with nothing else changed.
 class Document {
  public:
@@ -62,8 +69,12 @@ class Document {
 
   /// The file with `results` (one per surface, in order) in place, as `format`.
   /// Errors: unsupported_feature (a format this document cannot become), too_large.
-  virtual Result<std::vector<std::byte>> encode(std::span<const SurfaceResult> results,
-                                                Format format) const = 0;
+  virtual Result<Encoded> write(std::span<const SurfaceResult> results, Format format,
+                                const Encoding& encoding) const = 0;
+
+  /// The bytes of write() with the default encoding.
+  Result<std::vector<std::byte>> encode(std::span<const SurfaceResult> results,
+                                        Format format) const;
 
  protected:
   std::vector<Surface> surfaces_;

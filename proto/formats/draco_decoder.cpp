@@ -1,5 +1,6 @@
-// The one place that calls libdraco. Its answers are checked before they are used: ok() can hold
-// face indices beyond the points, attributes that map nowhere, and any number of bytes asked for.
+// The one place that decodes with libdraco. Its answers are checked before they are used: ok() can
+// hold face indices beyond the points, attributes that map nowhere, and any number of bytes asked
+// for.
 
 #include "proto/formats/draco_decoder.h"
 
@@ -10,13 +11,9 @@
 #include <draco/compression/decode.h>
 
 #include "proto/formats/draco_header.h"
+#include "proto/formats/draco_library.h"
 
 namespace fairway {
-
-struct DracoMesh::Decoded {
-  std::unique_ptr<draco::Mesh> mesh;
-};
-
 namespace {
 
 Error broken(std::string_view what) {
@@ -109,14 +106,21 @@ Result<std::vector<Triangle>> checked_triangles(const draco::Mesh& mesh) {
   return out;
 }
 
+std::string name_of(const draco::Mesh& mesh, int attribute) {
+  std::string name;
+  const draco::AttributeMetadata* metadata = mesh.GetAttributeMetadataByAttributeId(attribute);
+  if (metadata == nullptr || !metadata->GetEntryString("name", &name)) return {};
+  return name;
+}
+
 std::vector<DracoAttribute> list_attributes(const draco::Mesh& mesh) {
   std::vector<DracoAttribute> out;
   for (int i = 0; i < mesh.num_attributes(); ++i) {
     const draco::PointAttribute* from = mesh.attribute(i);
     if (from == nullptr) continue;
     out.push_back({i, from->unique_id(), kind_of(from->attribute_type()),
-                   component_type_of(from->data_type()), from->normalized(),
-                   from->num_components()});
+                   component_type_of(from->data_type()), from->normalized(), from->num_components(),
+                   name_of(mesh, i)});
   }
   return out;
 }

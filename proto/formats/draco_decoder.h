@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/mesh.h"
@@ -22,6 +23,7 @@ struct DracoAttribute {
   std::optional<ComponentType> type;  ///< nothing for types glTF does not have
   bool normalized = false;
   int components = 0;
+  std::string name;  ///< its metadata entry "name", "" if it has none
 };
 
 /// A decoded Draco mesh whose face indices have been checked. Its vertices are Draco's points.
@@ -49,8 +51,14 @@ class DracoMesh {
   /// Components of every point as they are stored. Errors: invalid_mesh, too_large.
   Result<std::vector<double>> values(const DracoAttribute& attribute) const;
 
- private:
+  /// Hands the triangles over, for a reader that keeps them elsewhere.
+  std::vector<Triangle> take_triangles() { return std::move(triangles_); }
+
+  /// The library's mesh, for the encoder; see draco_library.h.
   struct Decoded;
+  const Decoded& decoded() const { return *decoded_; }
+
+ private:
   explicit DracoMesh(std::unique_ptr<Decoded> decoded);
 
   std::unique_ptr<Decoded> decoded_;

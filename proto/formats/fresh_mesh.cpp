@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "proto/formats/bytes.h"
+#include "proto/formats/draco_parts.h"
 #include "proto/formats/fresh_gltf.h"
 #include "proto/formats/polygons.h"
 #include "proto/formats/stl_triangles.h"
@@ -33,6 +34,11 @@ std::vector<std::byte> bytes_of(std::string_view text) {
 
 bool is_shape(Format format) {
   return format == Format::ply || format == Format::obj || format == Format::stl;
+}
+
+/// Without a scene around it.
+bool holds_one_mesh(Format format) {
+  return is_shape(format) || format == Format::drc;
 }
 
 std::string ply_header(const Parts& parts, bool floats, bool signed_indices) {
@@ -133,9 +139,26 @@ Result<std::vector<std::byte>> write_gltf(const Parts& parts, Format format) {
 }
 
 std::string_view upper_name(Format format) {
+  if (format == Format::drc) return "Draco";
   if (format == Format::ply) return "PLY";
   if (format == Format::obj) return "OBJ";
   return "STL";
+}
+
+Result<std::vector<std::byte>> write_parts(const Parts& parts, Format format) {
+  switch (format) {
+    case Format::ply:
+      return write_ply(parts);
+    case Format::obj:
+      return write_obj(parts);
+    case Format::stl:
+      return write_stl(parts);
+    case Format::glb:
+    case Format::gltf:
+    case Format::drc:
+      break;
+  }
+  return write_gltf(parts, format);
 }
 
 }  // namespace
@@ -153,8 +176,8 @@ std::vector<std::string> property_names(const VertexAttribute& attribute) {
   return out;
 }
 
-Result<std::vector<std::byte>> write_fresh_mesh(const Surface& surface, const SurfaceResult& result,
-                                                Format format) {
+Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& result, Format format,
+                                 const Encoding& encoding) {
   const Parts parts{result.moved ? result.positions : surface.mesh.positions,
                     surface.mesh.triangles, result.moved ? result.normals : surface.normals,
                     result.attributes};
@@ -164,28 +187,24 @@ Result<std::vector<std::byte>> write_fresh_mesh(const Surface& surface, const Su
                    "A position is beyond single precision; scale the mesh down first."};
     }
   }
-  switch (format) {
-    case Format::ply:
-      return write_ply(parts);
-    case Format::obj:
-      return write_obj(parts);
-    case Format::stl:
-      return write_stl(parts);
-    case Format::glb:
-    case Format::gltf:
-      return write_gltf(parts, format);
-    case Format::drc:
-      break;
-  }
-  return Error{ErrorCode::unsupported_feature,
-               "Writing .drc is not there yet; ask for glb, gltf, ply, obj or stl."};
+  if (format == Format::drc) return write_fresh_draco(surface, result, encoding.draco);
+  auto bytes = write_parts(parts, format);
+  if (!bytes) return bytes.error();
+  return Encoded{*std::move(bytes), {}};
 }
 
-Result<std::vector<std::byte>> convert(const Document& document,
-                                       std::span<const SurfaceResult> results, Format came,
-                                       Format wanted) {
-  if (wanted == came || !is_shape(wanted) || is_shape(came)) {
-    return document.encode(results, wanted);
+Result<Encoded> convert(const Document& document, std::span<const SurfaceResult> results,
+                        const Conversion& conversion) {
+  const auto& [came, wanted, encoding] = conversion;
+  const bool fresh_scene = !holds_one_mesh(wanted) && holds_one_mesh(came);
+  if (wanted == came || !holds_one_mesh(wanted) || is_shape(came)) {
+    auto out = document.write(results, wanted, encoding);
+    if (out && fresh_scene && encoding.compression != Compression::none) {
+      out->notes.emplace_back(
+          "a new glTF is written without compression; \"compression\" is for files that come as "
+          "glTF");
+    }
+    return out;
   }
   const auto done = check_results(document.surfaces(), results);
   if (!done) return done.error();
@@ -196,7 +215,15 @@ Result<std::vector<std::byte>> convert(const Document& document,
                              results.size(), upper_name(wanted)),
                  "/meshes"};
   }
-  return write_fresh_mesh(document.surfaces().front(), results.front(), wanted);
+  return write_fresh_mesh(document.surfaces().front(), results.front(), wanted, encoding);
+}
+
+Result<std::vector<std::byte>> convert(const Document& document,
+                                       std::span<const SurfaceResult> results, Format came,
+                                       Format wanted) {
+  auto out = convert(document, results, Conversion{came, wanted});
+  if (!out) return out.error();
+  return std::move(out->bytes);
 }
 
 std::vector<std::string> conversion_notes(std::span<const SurfaceResult> results, Format came,
@@ -210,7 +237,7 @@ std::vector<std::string> conversion_notes(std::span<const SurfaceResult> results
                     "for ply or glb to get it",
                     upper_name(wanted)));
   }
-  if (came != wanted && (is_shape(came) || is_shape(wanted))) {
+  if (came != wanted && (is_shape(came) || holds_one_mesh(wanted))) {
     out.push_back(fmt::format(
         "written anew as {}: only positions (in the mesh's own coordinates), triangles and, where "
         "they have a place, normals and new attributes are carried over",

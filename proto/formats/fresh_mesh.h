@@ -14,15 +14,26 @@ namespace fairway {
 std::vector<std::string> property_names(const VertexAttribute& attribute);
 
 /// A new file around one surface: positions, triangles, normals if it has some, and where the
-/// format has a place for them (glb, gltf, ply) attributes. PLY is binary little-endian and STL
-/// binary. Errors: unsupported_feature (drc), diverged (a position that the format cannot hold),
-/// too_large.
-Result<std::vector<std::byte>> write_fresh_mesh(const Surface& surface, const SurfaceResult& result,
-                                                Format format);
+/// format has a place for them (glb, gltf, drc, ply) attributes. PLY is binary little-endian and
+/// STL binary. Errors: invalid_mesh (a position that no float holds), unsupported_feature (values
+/// that Draco cannot store), too_large.
+Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& result, Format format,
+                                 const Encoding& encoding);
 
-/// `document` written as `wanted`: by itself where it can, else as a fresh mesh. `came` is its own
-/// format. Errors: those of Document::encode() and write_fresh_mesh(); unsupported_feature where
-/// several meshes would have to become one.
+/// What a file came as and what it is written as.
+struct Conversion {
+  Format came;
+  Format wanted;
+  Encoding encoding = {};
+};
+
+/// `document` written as it is wanted: by itself where it can, else as a fresh mesh. Errors: those
+/// of Document::write() and write_fresh_mesh(); unsupported_feature where several meshes would have
+/// to become one.
+Result<Encoded> convert(const Document& document, std::span<const SurfaceResult> results,
+                        const Conversion& conversion);
+
+/// The bytes of convert() with the default encoding.
 Result<std::vector<std::byte>> convert(const Document& document,
                                        std::span<const SurfaceResult> results, Format came,
                                        Format wanted);

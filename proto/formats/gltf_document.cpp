@@ -22,17 +22,18 @@ class GltfDocument final : public Document {
     notes_ = std::move(surfaces.notes);
   }
 
-  Result<std::vector<std::byte>> encode(std::span<const SurfaceResult> results,
-                                        Format format) const override {
-    if (format == Format::drc) {
+  Result<Encoded> write(std::span<const SurfaceResult> results, Format format,
+                        const Encoding& encoding) const override {
+    if (format != Format::glb && format != Format::gltf) {
       return Error{ErrorCode::unsupported_feature,
-                   "A glTF cannot be written as .drc yet; ask for glb."};
+                   "A scene is not written as one mesh; ask for glb or gltf."};
     }
     GltfOutput output(json_, binary_, format);
-    if (const auto done = patch_surfaces(tables_, layout_, surfaces_, results, output); !done) {
-      return done.error();
-    }
-    return output.finish();
+    auto notes = patch_surfaces(tables_, layout_, surfaces_, results, encoding, output);
+    if (!notes) return notes.error();
+    auto bytes = output.finish();
+    if (!bytes) return bytes.error();
+    return Encoded{*std::move(bytes), *std::move(notes)};
   }
 
  private:

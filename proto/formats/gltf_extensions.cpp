@@ -81,4 +81,11 @@ bool uses_extension(const JsonPlace& root, std::string_view name) {
   return false;
 }
 
+void require_extension(std::string_view name, Json& root) {
+  for (const char* key : {"extensionsUsed", "extensionsRequired"}) {
+    Json& list = array_of(root, key);
+    if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+  }
+}
+
 }  // namespace fairway

@@ -4,6 +4,7 @@
 
 #include "proto/formats/base64.h"
 #include "proto/formats/glb.h"
+#include "proto/formats/meshopt_encoder.h"
 
 namespace fairway {
 namespace {
@@ -32,8 +33,13 @@ Json bounds_of(const std::vector<double>& values, ComponentType type) {
   return out;
 }
 
-void describe(const PackedValues& values, std::size_t view, Bounds bounds, Json& accessor) {
-  accessor["bufferView"] = view;
+void describe(const PackedValues& values, std::optional<std::size_t> view, Bounds bounds,
+              Json& accessor) {
+  if (view) {
+    accessor["bufferView"] = *view;
+  } else {
+    accessor.erase("bufferView");
+  }
   accessor.erase("byteOffset");
   accessor.erase("sparse");
   accessor["componentType"] = static_cast<unsigned>(values.type);
@@ -55,6 +61,11 @@ GltfOutput::GltfOutput(const Json& json, const GltfBinary& binary, Format format
       binary_(binary),
       format_(format),
       extends_first_(extends_first_buffer(json, binary, format)) {
+  const JsonPlace root(json_, "");
+  // Which of the two a reader of this file is sure to know.
+  if (uses_extension(root, kNewerMeshoptExtension) && !uses_extension(root, kMeshoptExtension)) {
+    meshopt_extension_ = kNewerMeshoptExtension;
+  }
   if (extends_first_) {
     const std::size_t size = binary.is_glb ? binary.bin->size() : binary.first_buffer->size();
     base_ = (size + 3) / 4 * 4;
@@ -77,25 +88,68 @@ Json& GltfOutput::add_bytes(ByteSpan bytes) {
   return views.back();
 }
 
-std::size_t GltfOutput::add_view(const PackedValues& values, ViewTarget target) {
-  Json& view = add_bytes(values.bytes);
+/// Appends the values as a meshopt stream and a view that stands in the fallback buffer; false
+/// where a stream cannot hold them.
+bool GltfOutput::add_compressed(const PackedValues& values, ViewTarget target) {
+  const bool indices = target == ViewTarget::indices;
+  const MeshoptLayout layout{indices ? MeshoptMode::indices : MeshoptMode::attributes,
+                             MeshoptFilter::none, values.count, values.stride};
+  const std::vector<std::byte> stream = encode_meshopt(values.bytes, layout);
+  if (stream.empty()) return false;
+  const std::size_t new_buffer = extends_first_ ? 0 : 1;
+  const auto buffers = json_.find("buffers");
+  const std::size_t fallback = (buffers == json_.end() ? 0 : buffers->size()) + new_buffer;
+  Json& view = add_bytes(stream);
+  Json extension = {{"buffer", view["buffer"]},
+                    {"byteOffset", view["byteOffset"]},
+                    {"byteLength", view["byteLength"]},
+                    {"byteStride", layout.stride},
+                    {"mode", indices ? "INDICES" : "ATTRIBUTES"},
+                    {"count", layout.count}};
+  fallback_ = (fallback_ + 3) / 4 * 4;
+  view["buffer"] = fallback;
+  view["byteOffset"] = fallback_;
+  view["byteLength"] = values.bytes.size();
+  fallback_ += values.bytes.size();
+  view["extensions"][meshopt_extension_] = std::move(extension);
+  return true;
+}
+
+std::size_t GltfOutput::add_view(const PackedValues& values, const ViewUse& use) {
+  if (use.coding == ViewCoding::plain || !add_compressed(values, use.target)) {
+    add_bytes(values.bytes);
+  }
+  Json& view = json_["bufferViews"].back();
   if (!values.is_tight()) view["byteStride"] = values.stride;
-  view["target"] = static_cast<unsigned>(target);
+  view["target"] = static_cast<unsigned>(use.target);
   return json_["bufferViews"].size() - 1;
 }
 
-std::size_t GltfOutput::add_accessor(const PackedValues& values, ViewTarget target, Bounds bounds) {
+std::size_t GltfOutput::add_stream(ByteSpan bytes) {
+  add_bytes(bytes);
+  return json_["bufferViews"].size() - 1;
+}
+
+std::size_t GltfOutput::add_accessor(const PackedValues& values, const ViewUse& use) {
   Json accessor = Json::object();
-  describe(values, add_view(values, target), bounds, accessor);
+  describe(values, add_view(values, use), use.bounds, accessor);
   Json& accessors = array_of(json_, "accessors");
   accessors.push_back(std::move(accessor));
   return accessors.size() - 1;
 }
 
-void GltfOutput::fill_accessor(std::size_t index, const PackedValues& values, ViewTarget target,
-                               Bounds bounds) {
-  const std::size_t view = add_view(values, target);
-  describe(values, view, bounds, json_["accessors"][index]);
+void GltfOutput::fill_accessor(std::size_t index, const PackedValues& values, const ViewUse& use) {
+  const std::size_t view = add_view(values, use);
+  describe(values, view, use.bounds, json_["accessors"][index]);
+}
+
+std::size_t GltfOutput::label(std::optional<std::size_t> index, const PackedValues& values,
+                              Bounds bounds) {
+  Json& accessors = array_of(json_, "accessors");
+  if (!index) accessors.push_back(Json::object());
+  const std::size_t at = index.value_or(accessors.size() - 1);
+  describe(values, std::nullopt, bounds, accessors[at]);
+  return at;
 }
 
 /// Into BIN where there is one and readers can know the type, else as text.
@@ -148,6 +202,17 @@ void GltfOutput::close_new_buffer() {
   array_of(json_, "buffers").push_back(std::move(buffer));
 }
 
+/// The buffer that stands for what the compressed views decode to.
+void GltfOutput::close_fallback() {
+  if (fallback_ == 0) return;
+  Json buffer = Json::object();
+  buffer["byteLength"] = fallback_;
+  buffer["extensions"][meshopt_extension_]["fallback"] = true;
+  array_of(json_, "buffers").push_back(std::move(buffer));
+  // Last, because a new key of the root moves all that stands in it.
+  require_extension(meshopt_extension_, json_);
+}
+
 Result<std::vector<std::byte>> GltfOutput::finish() {
   std::vector<std::byte> bin;
   GlbParts parts;
@@ -159,6 +224,7 @@ Result<std::vector<std::byte>> GltfOutput::finish() {
     close_new_buffer();
     parts.bin = binary_.bin;
   }
+  close_fallback();
   const std::string text = dump_json(json_);
   if (format_ == Format::glb) {
     parts.json = text;

@@ -6,6 +6,7 @@
 
 #include "core/result.h"
 #include "proto/formats/bytes.h"
+#include "proto/formats/gltf_extensions.h"
 #include "proto/formats/gltf_side_files.h"
 #include "proto/formats/json_fields.h"
 #include "proto/formats/packed_values.h"
@@ -32,6 +33,16 @@ struct GltfBinary {
 /// What an appended view is for; the numbers of glTF.
 enum class ViewTarget { vertices = 34962, indices = 34963 };
 
+/// How the bytes of an appended view are stored.
+enum class ViewCoding { plain, meshopt };
+
+/// What an appended view is for and how it is stored.
+struct ViewUse {
+  ViewTarget target = ViewTarget::vertices;
+  Bounds bounds = Bounds::left_out;
+  ViewCoding coding = ViewCoding::plain;
+};
+
 /// A copy of a glTF that can be added to. Bytes that are there stay where they are; new ones go
 /// behind them: to the end of the BIN chunk, or into a new buffer. Side files become part of it.
 class GltfOutput {
@@ -43,18 +54,26 @@ class GltfOutput {
 
   /// Appends the values with a view of their own and describes them in a new accessor, which this
   /// returns.
-  std::size_t add_accessor(const PackedValues& values, ViewTarget target, Bounds bounds);
+  std::size_t add_accessor(const PackedValues& values, const ViewUse& use);
 
   /// The same for an accessor that is there: its name, extras and extensions stay.
-  void fill_accessor(std::size_t index, const PackedValues& values, ViewTarget target,
-                     Bounds bounds);
+  void fill_accessor(std::size_t index, const PackedValues& values, const ViewUse& use);
+
+  /// An accessor without bytes, which describes values that stand in an extension's data; of
+  /// `values` the bytes are not used. Without an index it is a new one. Returns its index.
+  std::size_t label(std::optional<std::size_t> index, const PackedValues& values, Bounds bounds);
+
+  /// Appends bytes that only an extension understands; returns their view.
+  std::size_t add_stream(ByteSpan bytes);
 
   /// The file. Error: too_large.
   Result<std::vector<std::byte>> finish();
 
  private:
   Json& add_bytes(ByteSpan bytes);
-  std::size_t add_view(const PackedValues& values, ViewTarget target);
+  std::size_t add_view(const PackedValues& values, const ViewUse& use);
+  bool add_compressed(const PackedValues& values, ViewTarget target);
+  void close_fallback();
   void embed_image(const SideImage& image);
   void embed_side_files();
   void close_first_buffer(std::vector<std::byte>& bin);
@@ -67,6 +86,8 @@ class GltfOutput {
   std::size_t buffer_ = 0;      ///< that new views name
   std::uint64_t base_ = 0;      ///< where the new bytes start in it
   std::vector<std::byte> added_;
+  const char* meshopt_extension_ = kMeshoptExtension;
+  std::uint64_t fallback_ = 0;  ///< bytes that compressed views decode to
 };
 
 }  // namespace fairway

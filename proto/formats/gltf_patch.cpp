@@ -3,33 +3,21 @@
 
 #include "proto/formats/gltf_patch.h"
 
-#include <Eigen/Geometry>
-#include <cmath>
+#include <algorithm>
 #include <map>
 #include <string>
 #include <tuple>
 
-#include "proto/formats/gltf_accessor.h"
+#include <fmt/format.h>
+
+#include "proto/formats/gltf_draco_patch.h"
 #include "proto/formats/gltf_extensions.h"
 #include "proto/formats/gltf_references.h"
+#include "proto/formats/gltf_tangents.h"
 #include "proto/formats/surface_result.h"
 
 namespace fairway {
 namespace {
-
-/// The tangent of glTF (w is the handedness) made perpendicular to a new normal.
-void straighten(const Vec3& normal, double* tangent) {
-  Vec3 t(tangent[0], tangent[1], tangent[2]);
-  t -= normal * normal.dot(t);
-  if (!(t.norm() > 1e-12)) {
-    Eigen::Index smallest = 0;
-    normal.cwiseAbs().minCoeff(&smallest);
-    t = normal.cross(Vec3::Unit(smallest));
-  }
-  if (!(t.norm() > 0.0)) t = Vec3::UnitX();
-  t.normalize();
-  for (int c = 0; c < 3; ++c) tangent[c] = t[c];
-}
 
 constexpr std::string_view kIndices = "indices";
 
@@ -39,17 +27,20 @@ Bounds bounds_of(const Json& accessor) {
   return had ? Bounds::stated : Bounds::left_out;
 }
 
+/// How a primitive is written. `untouched` is a Draco stream that stays, beside new attributes.
+enum class PrimitiveCoding { plain, draco, meshopt, untouched };
+
 /// Patches the primitives of one surface.
 class SurfacePatch {
  public:
-  SurfacePatch(const GltfTables& tables, const DracoMeshes& draco, const SurfacePlan& plan,
-               const SurfaceResult& result, const std::vector<std::size_t>& references,
-               GltfOutput& output)
-      : tables_(tables),
-        draco_(draco),
-        plan_(plan),
-        result_(result),
-        references_(references),
+  SurfacePatch(const DracoPatchSource& from, Compression compression, GltfOutput& output)
+      : from_(from),
+        tables_(from.tables),
+        draco_(from.draco),
+        plan_(from.plan),
+        result_(from.result),
+        references_(from.references),
+        compression_(compression),
         output_(output) {}
 
   Result<void> run() {
@@ -58,6 +49,10 @@ class SurfacePatch {
     }
     return {};
   }
+
+  /// The primitives that were compressed with Draco, and those that could not be.
+  std::size_t compressed() const { return compressed_; }
+  std::size_t left_plain() const { return left_plain_; }
 
  private:
   /// What an accessor was made from: an accessor, or an attribute's place in the result; the block;
@@ -82,21 +77,28 @@ class SurfacePatch {
   Result<void> move(const SurfacePrimitive& primitive);
   Result<void> straighten_tangents(const SurfacePrimitive& primitive);
   Result<void> add_attributes(const SurfacePrimitive& primitive);
-  Result<PackedValues> straight_tangents(const SurfacePrimitive& primitive,
-                                         std::size_t accessor) const;
+  PrimitiveCoding wanted_coding(const SurfacePrimitive& primitive) const;
+  bool can_be_draco(const SurfacePrimitive& primitive) const;
+  PrimitiveCoding coding_of(const SurfacePrimitive& primitive);
+  void uncompress_replaced(const SurfacePrimitive& primitive);
   template <class Make>
   Result<void> place(const Slot& slot, const Make& make, const SurfacePrimitive& primitive,
                      std::string_view name);
   std::optional<std::size_t> label_of(const SurfacePrimitive& primitive,
                                       std::string_view name) const;
 
+  const DracoPatchSource& from_;
   const GltfTables& tables_;
   const DracoMeshes& draco_;
   const SurfacePlan& plan_;
   const SurfaceResult& result_;
   const std::vector<std::size_t>& references_;
+  Compression compression_;
   GltfOutput& output_;
   std::map<Key, std::size_t> made_;
+  ViewCoding coding_ = ViewCoding::plain;  ///< of the views of the primitive at hand
+  std::size_t compressed_ = 0;
+  std::size_t left_plain_ = 0;
 };
 
 /// Points "indices" or the attribute `name` of a primitive to the accessor of a slot. Only its
@@ -109,11 +111,12 @@ Result<void> SurfacePatch::place(const Slot& slot, const Make& make,
   if (is_new) {
     const Result<PackedValues> values = make();
     if (!values) return values.error();
+    const ViewUse use{slot.target, slot.bounds, coding_};
     if (slot.label && references_[*slot.label] == 1) {
       found->second = *slot.label;
-      output_.fill_accessor(*slot.label, *values, slot.target, slot.bounds);
+      output_.fill_accessor(*slot.label, *values, use);
     } else {
-      found->second = output_.add_accessor(*values, slot.target, slot.bounds);
+      found->second = output_.add_accessor(*values, use);
     }
   }
   Json& json = json_of(primitive);
@@ -182,30 +185,14 @@ Result<void> SurfacePatch::move(const SurfacePrimitive& primitive) {
   return place(normal, make_normal, primitive, "NORMAL");
 }
 
-Result<PackedValues> SurfacePatch::straight_tangents(const SurfacePrimitive& primitive,
-                                                     std::size_t accessor) const {
-  const VertexBlock& block = plan_.blocks[primitive.block];
-  const bool compressed = label_of(primitive, "TANGENT").has_value();
-  auto tangents = [&]() -> Result<std::vector<double>> {
-    if (!compressed) return read_values(tables_, accessor);
-    const DracoMesh& mesh = draco_.at(primitive.source.draco->view);
-    const std::uint64_t id = primitive.source.draco->ids.find("TANGENT")->second;
-    return draco_values(mesh, *mesh.find_unique(id), tables_.accessors[accessor]);
-  }();
-  if (!tangents) return tangents.error();
-  for (std::size_t i = 0; i < block.count; ++i) {
-    straighten(result_.normals[block.first + i], tangents->data() + 4 * i);
-  }
-  return pack_values(*tangents, {ComponentType::f32, false, 4});
-}
-
 Result<void> SurfacePatch::straighten_tangents(const SurfacePrimitive& primitive) {
   const auto accessor = primitive.source.attribute("TANGENT");
-  if (!accessor || !plan_.blocks[primitive.block].normal ||
-      !tables_.accessors[*accessor].is_vector(4)) {
-    return {};
-  }
-  const auto make = [&] { return straight_tangents(primitive, *accessor); };
+  const VertexBlock& block = plan_.blocks[primitive.block];
+  if (!accessor || !block.normal || !tables_.accessors[*accessor].is_vector(4)) return {};
+  const auto make = [&] {
+    return straight_tangents(tables_, draco_, primitive.source, *accessor,
+                             std::span(result_.normals).subspan(block.first, block.count));
+  };
   return place({{*accessor, primitive.block, "straight"}}, make, primitive, "TANGENT");
 }
 
@@ -224,8 +211,61 @@ Result<void> SurfacePatch::add_attributes(const SurfacePrimitive& primitive) {
   return {};
 }
 
-Result<void> SurfacePatch::patch(const SurfacePrimitive& primitive) {
+/// What is asked for, before it is known whether it can be done.
+PrimitiveCoding SurfacePatch::wanted_coding(const SurfacePrimitive& primitive) const {
+  switch (compression_) {
+    case Compression::none:
+      return PrimitiveCoding::plain;
+    case Compression::draco:
+      return PrimitiveCoding::draco;
+    case Compression::meshopt:
+      return PrimitiveCoding::meshopt;
+    case Compression::keep:
+      break;
+  }
   if (primitive.source.draco) {
+    return result_.moved ? PrimitiveCoding::draco : PrimitiveCoding::untouched;
+  }
+  const auto view = tables_.accessors[primitive.source.position()].view;
+  const bool compressed = view && tables_.views[*view].compression;
+  return compressed ? PrimitiveCoding::meshopt : PrimitiveCoding::plain;
+}
+
+/// A Draco stream is a list of triangles by index, so that strips, fans and what has no indices
+/// would become something else; and it holds all vertices of its primitive: those that others draw
+/// from too would be stored once for each.
+bool SurfacePatch::can_be_draco(const SurfacePrimitive& primitive) const {
+  const TriangleSource& source = primitive.source;
+  const bool list = source.mode == PrimitiveMode::triangles && source.indices.has_value();
+  const auto users =
+      std::count_if(plan_.primitives.begin(), plan_.primitives.end(),
+                    [&](const SurfacePrimitive& p) { return p.block == primitive.block; });
+  return users == 1 && primitive.triangles > 0 && (list || source.draco);
+}
+
+PrimitiveCoding SurfacePatch::coding_of(const SurfacePrimitive& primitive) {
+  const PrimitiveCoding wanted = wanted_coding(primitive);
+  if (wanted != PrimitiveCoding::draco || can_be_draco(primitive)) return wanted;
+  ++left_plain_;
+  return PrimitiveCoding::plain;
+}
+
+/// Attributes that are replaced stand no longer in the stream that stays.
+void SurfacePatch::uncompress_replaced(const SurfacePrimitive& primitive) {
+  Json& stream = json_of(primitive)["extensions"][kDracoExtension]["attributes"];
+  for (const VertexAttribute& attribute : result_.attributes) stream.erase(attribute.name);
+}
+
+Result<void> SurfacePatch::patch(const SurfacePrimitive& primitive) {
+  const PrimitiveCoding coding = coding_of(primitive);
+  if (coding == PrimitiveCoding::draco) {
+    ++compressed_;
+    return compress_primitive(from_, primitive, output_);
+  }
+  coding_ = coding == PrimitiveCoding::meshopt ? ViewCoding::meshopt : ViewCoding::plain;
+  if (coding == PrimitiveCoding::untouched) {
+    uncompress_replaced(primitive);
+  } else if (primitive.source.draco) {
     if (auto done = unpack_draco(primitive); !done) return done;
   }
   if (result_.moved) {
@@ -235,21 +275,46 @@ Result<void> SurfacePatch::patch(const SurfacePrimitive& primitive) {
   return add_attributes(primitive);
 }
 
+bool may_write_draco(Compression compression, const SurfacePlan& plan) {
+  return compression == Compression::draco ||
+         (compression == Compression::keep &&
+          std::any_of(plan.primitives.begin(), plan.primitives.end(),
+                      [](const SurfacePrimitive& p) { return p.source.draco.has_value(); }));
+}
+
 }  // namespace
 
-Result<void> patch_surfaces(const GltfTables& tables, const GltfLayout& layout,
-                            std::span<const Surface> surfaces,
-                            std::span<const SurfaceResult> results, GltfOutput& output) {
-  if (auto done = check_results(surfaces, results); !done) return done;
+Result<std::vector<std::string>> patch_surfaces(const GltfTables& tables, const GltfLayout& layout,
+                                                std::span<const Surface> surfaces,
+                                                std::span<const SurfaceResult> results,
+                                                const Encoding& encoding, GltfOutput& output) {
+  if (auto done = check_results(surfaces, results); !done) return done.error();
   const std::vector<std::size_t> references =
       accessor_references(output.json(), tables.accessors.size());
+  std::vector<std::string> notes;
   for (std::size_t i = 0; i < results.size(); ++i) {
-    SurfacePatch patch(tables, layout.draco_meshes, layout.plans[i], results[i], references,
-                       output);
-    if (auto done = patch.run(); !done) return done;
+    const SurfaceResult& result = results[i];
+    SurfaceGrids grids;
+    if (may_write_draco(encoding.compression, layout.plans[i])) {
+      grids = make_surface_grids(result.moved ? result.positions : surfaces[i].mesh.positions,
+                                 result.attributes, encoding.draco);
+    }
+    const DracoPatchSource from{tables, layout.draco_meshes, layout.plans[i], surfaces[i], result,
+                                grids,  encoding.draco,      references};
+    SurfacePatch patch(from, encoding.compression, output);
+    if (auto done = patch.run(); !done) return done.error();
+    if (patch.compressed() > 0) {
+      notes.push_back(describe_surface(surfaces[i].name, grids, result.attributes));
+    }
+    if (patch.left_plain() > 0) {
+      notes.push_back(
+          fmt::format("{}: {} primitives are not compressed with Draco, which holds lists of "
+                      "triangles with indices and vertices of their own",
+                      surfaces[i].name, patch.left_plain()));
+    }
   }
   if (!layout.draco_meshes.empty()) forget_unused_draco(output.json());
-  return {};
+  return notes;
 }
 
 }  // namespace fairway

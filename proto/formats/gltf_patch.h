@@ -10,11 +10,13 @@
 namespace fairway {
 
 /// Puts the results of all surfaces into a copy of their document: new accessors are appended, the
-/// triangle primitives point to them, everything else stays. Draco primitives become plain. Errors:
-/// diverged (a position no float holds), internal (results that do not fit their surfaces).
-/// `surfaces` are those that `layout` describes, `results` what became of them.
-Result<void> patch_surfaces(const GltfTables& tables, const GltfLayout& layout,
-                            std::span<const Surface> surfaces,
-                            std::span<const SurfaceResult> results, GltfOutput& output);
+/// triangle primitives point to them, everything else stays. Draco primitives become plain, or all
+/// become what `encoding` asks for. Returns notes about that. Errors: diverged (a position no float
+/// holds), internal (results that do not fit their surfaces), those of encode_draco(). `surfaces`
+/// are those that `layout` describes, `results` what became of them.
+Result<std::vector<std::string>> patch_surfaces(const GltfTables& tables, const GltfLayout& layout,
+                                                std::span<const Surface> surfaces,
+                                                std::span<const SurfaceResult> results,
+                                                const Encoding& encoding, GltfOutput& output);
 
 }  // namespace fairway

@@ -230,11 +230,13 @@ Result<void> SurfaceGatherer::add_primitive(const JsonPlace& place, std::size_t 
   auto triangles =
       read_triangles(place, **source, vertices.count, tables_, out_.layout.draco_meshes);
   if (!triangles) return triangles.error();
+  const std::size_t first_triangle = surface.mesh.triangles.size();
   append_triangles(*std::move(triangles), vertices.first, surface.mesh.triangles);
   if (place.has("targets")) note("morph targets keep their deltas");
   surface.primitives.push_back(
       {index, vertices.position, vertices.draco_view, vertices.first, vertices.count});
-  plan.primitives.push_back({index, **std::move(source), *block});
+  plan.primitives.push_back({index, **std::move(source), *block, first_triangle,
+                             surface.mesh.triangles.size() - first_triangle});
   return {};
 }
 

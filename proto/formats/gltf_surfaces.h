@@ -22,6 +22,8 @@ struct SurfacePrimitive {
   std::size_t index = 0;  ///< in "primitives" of the mesh
   TriangleSource source;
   std::size_t block = 0;
+  std::size_t first_triangle = 0;  ///< in the surface
+  std::size_t triangles = 0;
 };
 
 /// Where the parts of one Surface stand in the document.

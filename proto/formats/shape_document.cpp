@@ -7,14 +7,16 @@
 
 namespace fairway {
 
-Result<std::vector<std::byte>> ShapeDocument::encode(std::span<const SurfaceResult> results,
-                                                     Format format) const {
+Result<Encoded> ShapeDocument::write(std::span<const SurfaceResult> results, Format format,
+                                     const Encoding& encoding) const {
   if (const auto done = check_results(surfaces_, results); !done) return done.error();
   const SurfaceResult& result = results.front();
-  if (format != format_) return write_fresh_mesh(surfaces_.front(), result, format);
+  if (format != format_) return write_fresh_mesh(surfaces_.front(), result, format, encoding);
   const bool adds = holds_attributes() && !result.attributes.empty();
-  if (!result.moved && !adds) return std::vector<std::byte>(source_.begin(), source_.end());
-  return patch(result);
+  if (!result.moved && !adds) return Encoded{{source_.begin(), source_.end()}, {}};
+  auto bytes = patch(result);
+  if (!bytes) return bytes.error();
+  return Encoded{*std::move(bytes), {}};
 }
 
 }  // namespace fairway

@@ -9,8 +9,8 @@ namespace fairway {
 /// any other it is written anew.
 class ShapeDocument : public Document {
  public:
-  Result<std::vector<std::byte>> encode(std::span<const SurfaceResult> results,
-                                        Format format) const final;
+  Result<Encoded> write(std::span<const SurfaceResult> results, Format format,
+                        const Encoding& encoding) const final;
 
  protected:
   ShapeDocument(ByteSpan source, Format format) : source_(source), format_(format) {}

@@ -205,6 +205,7 @@ Result<Parameters> parse_parameters(std::string_view text) {
   reader.boolean("features", parameters.flow.find_features);
   parameters.fixed_vertices = read_fixed_vertices(reader);
   parameters.output = read_output(reader);
+  parameters.encoding = read_encoding(reader);
   reader.refuse_unknown_keys();
   if (reader.error()) return *reader.error();
   return parameters;
@@ -239,6 +240,7 @@ Json parameters_document(const Parameters& parameters) {
   document["curvature"] = std::move(curvature);
   document["features"] = flow.find_features;
   document["output"] = parameters.output ? Json(name_of(*parameters.output)) : Json("auto");
+  add_encoding(parameters.encoding, document);
   return document;
 }
 

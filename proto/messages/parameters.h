@@ -7,6 +7,7 @@
 
 #include "core/flow_options.h"
 #include "core/result.h"
+#include "proto/messages/encoding.h"
 #include "proto/messages/format.h"
 #include "proto/messages/json.h"
 
@@ -43,7 +44,8 @@ struct Parameters {
   std::vector<CurvatureKind> curvature = {
       CurvatureKind::k1,          CurvatureKind::k2,   CurvatureKind::mean, CurvatureKind::gaussian,
       CurvatureKind::predominant, CurvatureKind::dir1, CurvatureKind::dir2};
-  std::optional<Format> output;  ///< automatic: the format that came (GLB for Draco)
+  std::optional<Format> output;  ///< automatic: the format that came
+  Encoding encoding;
 };
 
 /// Parses and checks a parameter document; empty text and {} are all automatic choices.

@@ -31,10 +31,11 @@ Result<Parameters> read_parameters(const std::string& text) {
 Result<void> choose_output(const std::string& file_name, Parameters& parameters) {
   const std::optional<Format> named = format_of_file_name(file_name);
   if (!named) {
-    return Error{ErrorCode::usage,
-                 fmt::format("The extension of {} names no format; use .glb, .gltf, .ply, .obj or "
-                             ".stl.",
-                             file_name)};
+    return Error{
+        ErrorCode::usage,
+        fmt::format("The extension of {} names no format; use .glb, .gltf, .drc, .ply, .obj or "
+                    ".stl.",
+                    file_name)};
   }
   if (parameters.output && *parameters.output != *named) {
     return Error{ErrorCode::usage, fmt::format("The parameters ask for {}, the file name for {}.",

@@ -61,7 +61,7 @@ class Tool {
                      "GLB, glTF (with the files beside it), Draco, PLY, OBJ or STL file")
         ->required();
     verb->add_option("OUT", command.output,
-                     "Result; the extension chooses .glb, .gltf, .ply, .obj or .stl")
+                     "Result; the extension chooses .glb, .gltf, .drc, .ply, .obj or .stl")
         ->required();
     verb->add_option("--params", command.parameters, parameters);
     verb->add_flag("--quiet,-q", command.quiet, "Print errors only");

@@ -203,10 +203,6 @@ Result<std::vector<SurfaceResult>> denoise_all(const Document& document, Paramet
   return results;
 }
 
-Format output_format(Format input, const Parameters& parameters) {
-  return parameters.output.value_or(input == Format::drc ? Format::glb : input);
-}
-
 }  // namespace
 
 Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format format,
@@ -219,7 +215,7 @@ Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format for
   for (const Surface& s : (*document)->surfaces()) triangles += s.mesh.triangles.size();
 
   PipelineOutput out;
-  out.format = output_format(format, parameters);
+  out.format = parameters.output.value_or(format);
   out.report.notes = (*document)->notes();
   ProgressTeller progress(observer, triangles);
   const Result<std::vector<SurfaceResult>> results =
@@ -229,9 +225,11 @@ Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format for
   for (std::string& note : conversion_notes(*results, format, out.format)) {
     out.report.notes.push_back(std::move(note));
   }
-  Result<std::vector<std::byte>> bytes = convert(**document, *results, format, out.format);
-  if (!bytes) return bytes.error();
-  out.bytes = *std::move(bytes);
+  Result<Encoded> encoded =
+      convert(**document, *results, {format, out.format, parameters.encoding});
+  if (!encoded) return encoded.error();
+  out.bytes = std::move(encoded->bytes);
+  for (std::string& note : encoded->notes) out.report.notes.push_back(std::move(note));
   return out;
 }
 

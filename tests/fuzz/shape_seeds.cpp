@@ -21,9 +21,9 @@ Bytes written(const IndexedMesh& mesh, Format format) {
   for (std::size_t i = 0; i < 3 * mesh.positions.size(); ++i) ramp.push_back(static_cast<float>(i));
   result.attributes.push_back({"_CURVATURE_DIR1", 3, ramp});
   surface.normals.assign(mesh.positions.size(), Vec3::UnitZ());
-  auto bytes = write_fresh_mesh(surface, result, format);
-  REQUIRE(bytes);
-  return *std::move(bytes);
+  auto file = write_fresh_mesh(surface, result, format, {});
+  REQUIRE(file);
+  return std::move(file->bytes);
 }
 
 std::vector<Seed> ply_texts() {

@@ -184,4 +184,41 @@ TEST_CASE("lambda together with feature_angle is refused") {
   check_refused(R"({"lambda":0.1,"feature_angle":30})", ErrorCode::invalid_parameters, "/lambda");
 }
 
+TEST_CASE("compression and Draco's settings are read, stated and checked") {
+  const Parameters none = good("{}");
+  CHECK(none.encoding.compression == Compression::none);
+  CHECK(none.encoding.draco.position_bits == 14);
+  CHECK(none.encoding.draco.keep_order);
+  const Parameters p = good(R"({"output":"drc","compression":"keep","draco":{"position_bits":0,
+      "normal_bits":8,"texcoord_bits":11,"curvature_bits":20,"level":10,"keep_order":false}})");
+  CHECK(p.output == Format::drc);
+  CHECK(p.encoding.compression == Compression::keep);
+  CHECK(p.encoding.draco.position_bits == 0);
+  CHECK(p.encoding.draco.normal_bits == 8);
+  CHECK(p.encoding.draco.texcoord_bits == 11);
+  CHECK(p.encoding.draco.curvature_bits == 20);
+  CHECK(p.encoding.draco.level == 10);
+  CHECK_FALSE(p.encoding.draco.keep_order);
+  const Json document = parameters_document(p);
+  CHECK(parameters_document(good(document.dump())) == document);
+  CHECK(document["compression"] == "keep");
+  CHECK(document["draco"] == Json{{"position_bits", 0},
+                                  {"normal_bits", 8},
+                                  {"texcoord_bits", 11},
+                                  {"curvature_bits", 20},
+                                  {"level", 10},
+                                  {"keep_order", false}});
+  const auto invalid = ErrorCode::invalid_parameters;
+  check_refused(R"({"compression":"zip"})", invalid, "/compression");
+  check_refused(R"({"draco":7})", invalid, "/draco");
+  check_refused(R"({"draco":{"bits":7}})", invalid, "/draco/bits");
+  check_refused(R"({"draco":{"position_bits":31}})", invalid, "/draco/position_bits");
+  check_refused(R"({"draco":{"position_bits":-1}})", invalid, "/draco/position_bits");
+  check_refused(R"({"draco":{"normal_bits":1}})", invalid, "/draco/normal_bits");
+  check_refused(R"({"draco":{"texcoord_bits":1.5}})", invalid, "/draco/texcoord_bits");
+  check_refused(R"({"draco":{"curvature_bits":"auto"}})", invalid, "/draco/curvature_bits");
+  check_refused(R"({"draco":{"level":11}})", invalid, "/draco/level");
+  check_refused(R"({"draco":{"keep_order":1}})", invalid, "/draco/keep_order");
+}
+
 }  // namespace fairway::test

@@ -183,10 +183,11 @@ TEST_CASE("the wrong command line is explained and exits with 2") {
 TEST_CASE("every format is denoised into every other, told by the extensions") {
   const Workplace place(glb_of(noisy_sphere()));
   const IndexedMesh clean = sphere(3, 1.0);
-  for (const Format came : {Format::ply, Format::obj, Format::stl}) {
+  for (const Format came : {Format::ply, Format::obj, Format::stl, Format::drc}) {
     const auto noisy = place.directory.path() / fmt::format("noisy.{}", name_of(came));
     REQUIRE(run_tool({"curvature", place.in, noisy}).exit_code == 0);
-    for (const Format wanted : {Format::ply, Format::obj, Format::stl, Format::glb, Format::gltf}) {
+    for (const Format wanted :
+         {Format::ply, Format::obj, Format::stl, Format::glb, Format::gltf, Format::drc}) {
       const auto out = place.directory.path() / fmt::format("out.{}", name_of(wanted));
       const ToolRun run = run_tool({"denoise", noisy, out});
       INFO(name_of(came) << " to " << name_of(wanted) << ": " << run.output);
@@ -210,6 +211,23 @@ TEST_CASE("parameters may stand in a file") {
   write_bytes(file, text_bytes(R"({"steps":0})"));
   CHECK(place.denoise(file).exit_code == 0);
   CHECK(mesh_of(place.out).positions == mesh_of(place.in).positions);
+}
+
+TEST_CASE("the tool compresses on request and tells the errors") {
+  const Workplace place(glb_of(noisy_sphere()));
+  const IndexedMesh clean = sphere(3, 1.0);
+  const ToolRun draco = run_tool({"denoise", place.in, place.out, "--params",
+                                  R"({"compression":"draco","draco":{"position_bits":16}})"});
+  INFO(draco.output);
+  REQUIRE(draco.exit_code == 0);
+  CHECK(draco.output.find("POSITION is off by at most") != std::string::npos);
+  CHECK(mesh_of(place.out).triangles.size() == clean.triangles.size());
+  CHECK(parse_sample(read_bytes(place.out)).json["extensionsRequired"][0] ==
+        "KHR_draco_mesh_compression");
+  const auto drc = place.directory.path() / "out.drc";
+  REQUIRE(run_tool({"denoise", place.in, drc, "--params", R"({"draco":{"keep_order":false}})"})
+              .exit_code == 0);
+  CHECK(mesh_of(drc, Format::drc).triangles.size() == clean.triangles.size());
 }
 
 }  // namespace fairway::test
