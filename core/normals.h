@@ -11,8 +11,9 @@ namespace fairway {
 /// Vertices of one place (equal `place_of_vertex`) whose old normals agree within 0.1° form one
 /// smoothing group and share one area-weighted normal of the faces that use them; so hard edges
 /// stay hard and texture seams stay smooth. Unit; the old normal where no face has area.
-/// `moved.positions`, `place_of_vertex` and `old_normals` have one entry per vertex.
-std::vector<Vec3> keep_split_normals(const IndexedMesh& moved,
+/// `positions` (the new ones), `place_of_vertex` and `old_normals` have one entry per vertex.
+std::vector<Vec3> keep_split_normals(std::span<const Vec3> positions,
+                                     std::span<const Triangle> triangles,
                                      std::span<const Index> place_of_vertex,
                                      std::span<const Vec3> old_normals);
 

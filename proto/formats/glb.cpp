@@ -61,11 +61,12 @@ std::string_view without_padding(std::string_view json) {
   return json.substr(0, end == std::string_view::npos ? 0 : end + 1);
 }
 
-void append_chunk(std::uint32_t type, ByteSpan data, std::byte fill, std::vector<std::byte>& out) {
+void append_chunk(std::uint32_t type, const ByteChain& data, std::byte fill,
+                  std::vector<std::byte>& out) {
   const std::size_t padded = (data.size() + 3) / 4 * 4;
   append_value(out, static_cast<std::uint32_t>(padded));
   append_value(out, type);
-  append(out, data);
+  for (const ByteSpan piece : data.pieces()) append(out, piece);
   align_to_four(out, fill);
 }
 
@@ -95,11 +96,12 @@ Result<GlbParts> parse_glb(ByteSpan bytes) {
   return parts;
 }
 
-Result<std::vector<std::byte>> build_glb(const GlbParts& parts) {
+Result<std::vector<std::byte>> build_glb(std::string_view json, const ByteChain* bin,
+                                         ByteSpan other_chunks) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
-  const std::uint64_t bin_size = parts.bin ? parts.bin->size() + kChunkHeaderSize + 3 : 0;
+  const std::uint64_t bin_size = bin != nullptr ? bin->size() + kChunkHeaderSize + 3 : 0;
   const std::uint64_t size =
-      kHeaderSize + kChunkHeaderSize + parts.json.size() + 3 + bin_size + parts.other_chunks.size();
+      kHeaderSize + kChunkHeaderSize + json.size() + 3 + bin_size + other_chunks.size();
   if (size > kMost) {
     return Error{ErrorCode::too_large, "The result does not fit in a GLB of 4 GiB."};
   }
@@ -108,12 +110,20 @@ Result<std::vector<std::byte>> build_glb(const GlbParts& parts) {
   append_value(out, kMagic);
   append_value(out, std::uint32_t{2});
   append_value(out, std::uint32_t{0});
-  append_chunk(kJsonChunk, as_bytes(parts.json), std::byte{' '}, out);
-  if (parts.bin) append_chunk(kBinChunk, *parts.bin, std::byte{0}, out);
-  append(out, parts.other_chunks);
+  ByteChain text;
+  text.append_view(as_bytes(json));
+  append_chunk(kJsonChunk, text, std::byte{' '}, out);
+  if (bin != nullptr) append_chunk(kBinChunk, *bin, std::byte{0}, out);
+  append(out, other_chunks);
   const auto total = static_cast<std::uint32_t>(out.size());
   std::memcpy(out.data() + 2 * sizeof total, &total, sizeof total);
   return out;
+}
+
+Result<std::vector<std::byte>> build_glb(const GlbParts& parts) {
+  ByteChain bin;
+  if (parts.bin) bin.append_view(*parts.bin);
+  return build_glb(parts.json, parts.bin ? &bin : nullptr, parts.other_chunks);
 }
 
 }  // namespace fairway

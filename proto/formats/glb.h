@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "proto/formats/byte_chain.h"
 #include "proto/formats/bytes.h"
 
 namespace fairway {
@@ -20,8 +21,10 @@ struct GlbParts {
 /// the end), unsupported_format (other magic, other version).
 Result<GlbParts> parse_glb(ByteSpan bytes);
 
-/// Joins the parts; the JSON chunk is padded with spaces, BIN with zeros. Error: too_large beyond
-/// the 4 GiB of the format.
+/// Joins parts to a file; the JSON chunk is padded with spaces, BIN (none if null) with zeros.
+/// Error: too_large beyond the 4 GiB of the format.
+Result<std::vector<std::byte>> build_glb(std::string_view json, const ByteChain* bin,
+                                         ByteSpan other_chunks);
 Result<std::vector<std::byte>> build_glb(const GlbParts& parts);
 
 }  // namespace fairway

@@ -184,7 +184,7 @@ std::size_t PrimitiveCompressor::label(const std::string& name, const DracoPart&
 }
 
 void PrimitiveCompressor::write(const DracoStream& stream) {
-  const std::size_t view = output_.add_stream(stream.bytes);
+  const std::size_t view = output_.add_stream(std::move(stream.bytes));
   Json attributes = Json::object();
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const std::size_t accessor = label(names_[i], parts_[i], stream.points);

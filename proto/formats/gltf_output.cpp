@@ -67,25 +67,30 @@ GltfOutput::GltfOutput(const Json& json, const GltfBinary& binary, Format format
     meshopt_extension_ = kNewerMeshoptExtension;
   }
   if (extends_first_) {
-    const std::size_t size = binary.is_glb ? binary.bin->size() : binary.first_buffer->size();
-    base_ = (size + 3) / 4 * 4;
+    data_.append_view(binary.is_glb ? *binary.bin : *binary.first_buffer);
+    old_size_ = data_.size();
   } else {
     const auto buffers = json_.find("buffers");
     buffer_ = buffers == json_.end() ? 0 : buffers->size();
   }
 }
 
-/// Appends bytes and a view of them, which this returns: the last one.
-Json& GltfOutput::add_bytes(ByteSpan bytes) {
-  align_to_four(added_);
+/// Adds a view of the next bytes, which this returns: the last one.
+Json& GltfOutput::add_view_of(std::size_t size) {
+  data_.align_to_four();
   Json view = Json::object();
   view["buffer"] = buffer_;
-  view["byteOffset"] = base_ + added_.size();
-  view["byteLength"] = bytes.size();
-  append(added_, bytes);
+  view["byteOffset"] = data_.size();
+  view["byteLength"] = size;
   Json& views = array_of(json_, "bufferViews");
   views.push_back(std::move(view));
   return views.back();
+}
+
+Json& GltfOutput::add_bytes(std::vector<std::byte> bytes) {
+  Json& view = add_view_of(bytes.size());
+  data_.append(std::move(bytes));
+  return view;
 }
 
 /// Appends the values as a meshopt stream and a view that stands in the fallback buffer; false
@@ -94,12 +99,12 @@ bool GltfOutput::add_compressed(const PackedValues& values, ViewTarget target) {
   const bool indices = target == ViewTarget::indices;
   const MeshoptLayout layout{indices ? MeshoptMode::indices : MeshoptMode::attributes,
                              MeshoptFilter::none, values.count, values.stride};
-  const std::vector<std::byte> stream = encode_meshopt(values.bytes, layout);
+  std::vector<std::byte> stream = encode_meshopt(values.bytes, layout);
   if (stream.empty()) return false;
   const std::size_t new_buffer = extends_first_ ? 0 : 1;
   const auto buffers = json_.find("buffers");
   const std::size_t fallback = (buffers == json_.end() ? 0 : buffers->size()) + new_buffer;
-  Json& view = add_bytes(stream);
+  Json& view = add_bytes(std::move(stream));
   Json extension = {{"buffer", view["buffer"]},
                     {"byteOffset", view["byteOffset"]},
                     {"byteLength", view["byteLength"]},
@@ -115,9 +120,10 @@ bool GltfOutput::add_compressed(const PackedValues& values, ViewTarget target) {
   return true;
 }
 
-std::size_t GltfOutput::add_view(const PackedValues& values, const ViewUse& use) {
+/// Takes the bytes out of `values`.
+std::size_t GltfOutput::add_view(PackedValues& values, const ViewUse& use) {
   if (use.coding == ViewCoding::plain || !add_compressed(values, use.target)) {
-    add_bytes(values.bytes);
+    add_bytes(std::move(values.bytes));
   }
   Json& view = json_["bufferViews"].back();
   if (!values.is_tight()) view["byteStride"] = values.stride;
@@ -125,20 +131,21 @@ std::size_t GltfOutput::add_view(const PackedValues& values, const ViewUse& use)
   return json_["bufferViews"].size() - 1;
 }
 
-std::size_t GltfOutput::add_stream(ByteSpan bytes) {
-  add_bytes(bytes);
+std::size_t GltfOutput::add_stream(std::vector<std::byte> bytes) {
+  add_bytes(std::move(bytes));
   return json_["bufferViews"].size() - 1;
 }
 
-std::size_t GltfOutput::add_accessor(const PackedValues& values, const ViewUse& use) {
+std::size_t GltfOutput::add_accessor(PackedValues values, const ViewUse& use) {
   Json accessor = Json::object();
-  describe(values, add_view(values, use), use.bounds, accessor);
+  const std::size_t view = add_view(values, use);
+  describe(values, view, use.bounds, accessor);
   Json& accessors = array_of(json_, "accessors");
   accessors.push_back(std::move(accessor));
   return accessors.size() - 1;
 }
 
-void GltfOutput::fill_accessor(std::size_t index, const PackedValues& values, const ViewUse& use) {
+void GltfOutput::fill_accessor(std::size_t index, PackedValues values, const ViewUse& use) {
   const std::size_t view = add_view(values, use);
   describe(values, view, use.bounds, json_["accessors"][index]);
 }
@@ -160,7 +167,8 @@ void GltfOutput::embed_image(const SideImage& image) {
     json["uri"] = make_data_uri(image.bytes, image.media_type);
     return;
   }
-  add_bytes(image.bytes);
+  add_view_of(image.bytes.size());
+  data_.append_view(image.bytes);
   // A first view is a new key of the document, which moves what `json` refers to.
   Json& moved = json_["images"][image.index];
   moved.erase("uri");
@@ -176,29 +184,23 @@ void GltfOutput::embed_side_files() {
   for (const SideImage& image : binary_.side_images) embed_image(image);
 }
 
-/// Makes `bin` the whole of buffers[0], old bytes and new ones.
-void GltfOutput::close_first_buffer(std::vector<std::byte>& bin) {
+void GltfOutput::close_first_buffer() {
   Json& buffer = json_["buffers"][0];
-  append(bin, binary_.is_glb ? *binary_.bin : *binary_.first_buffer);
-  if (!added_.empty()) {
-    bin.resize(static_cast<std::size_t>(base_));
-    append(bin, added_);
-    buffer["byteLength"] = bin.size();
-  }
+  const bool grown = data_.size() > old_size_;
+  if (grown) buffer["byteLength"] = data_.size();
   if (format_ == Format::glb) {
     buffer.erase("uri");
   } else {
     // BIN may be padded beyond the buffer it holds.
-    const std::size_t length = added_.empty() ? binary_.first_buffer->size() : bin.size();
-    buffer["uri"] = make_data_uri(ByteSpan(bin).first(length));
+    buffer["uri"] = make_data_uri(grown ? data_.joined() : *binary_.first_buffer);
   }
 }
 
 void GltfOutput::close_new_buffer() {
-  if (added_.empty()) return;
+  if (data_.size() == 0) return;
   Json buffer = Json::object();
-  buffer["byteLength"] = added_.size();
-  buffer["uri"] = make_data_uri(added_);
+  buffer["byteLength"] = data_.size();
+  buffer["uri"] = make_data_uri(data_.joined());
   array_of(json_, "buffers").push_back(std::move(buffer));
 }
 
@@ -214,22 +216,20 @@ void GltfOutput::close_fallback() {
 }
 
 Result<std::vector<std::byte>> GltfOutput::finish() {
-  std::vector<std::byte> bin;
-  GlbParts parts;
   embed_side_files();
+  ByteChain old_bin;
   if (extends_first_) {
-    close_first_buffer(bin);
-    parts.bin = bin;
+    close_first_buffer();
   } else {
     close_new_buffer();
-    parts.bin = binary_.bin;
+    if (binary_.bin) old_bin.append_view(*binary_.bin);
   }
   close_fallback();
   const std::string text = dump_json(json_);
   if (format_ == Format::glb) {
-    parts.json = text;
-    parts.other_chunks = binary_.other_chunks;
-    return build_glb(parts);
+    const bool has_bin = extends_first_ || binary_.bin;
+    const ByteChain& bin = extends_first_ ? data_ : old_bin;
+    return build_glb(text, has_bin ? &bin : nullptr, binary_.other_chunks);
   }
   const ByteSpan bytes = as_bytes(text);
   return std::vector<std::byte>(bytes.begin(), bytes.end());

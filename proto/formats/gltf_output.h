@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "proto/formats/byte_chain.h"
 #include "proto/formats/bytes.h"
 #include "proto/formats/gltf_extensions.h"
 #include "proto/formats/gltf_side_files.h"
@@ -54,29 +55,30 @@ class GltfOutput {
 
   /// Appends the values with a view of their own and describes them in a new accessor, which this
   /// returns.
-  std::size_t add_accessor(const PackedValues& values, const ViewUse& use);
+  std::size_t add_accessor(PackedValues values, const ViewUse& use);
 
   /// The same for an accessor that is there: its name, extras and extensions stay.
-  void fill_accessor(std::size_t index, const PackedValues& values, const ViewUse& use);
+  void fill_accessor(std::size_t index, PackedValues values, const ViewUse& use);
 
   /// An accessor without bytes, which describes values that stand in an extension's data; of
   /// `values` the bytes are not used. Without an index it is a new one. Returns its index.
   std::size_t label(std::optional<std::size_t> index, const PackedValues& values, Bounds bounds);
 
   /// Appends bytes that only an extension understands; returns their view.
-  std::size_t add_stream(ByteSpan bytes);
+  std::size_t add_stream(std::vector<std::byte> bytes);
 
   /// The file. Error: too_large.
   Result<std::vector<std::byte>> finish();
 
  private:
-  Json& add_bytes(ByteSpan bytes);
-  std::size_t add_view(const PackedValues& values, const ViewUse& use);
+  Json& add_view_of(std::size_t size);
+  Json& add_bytes(std::vector<std::byte> bytes);
+  std::size_t add_view(PackedValues& values, const ViewUse& use);
   bool add_compressed(const PackedValues& values, ViewTarget target);
   void close_fallback();
   void embed_image(const SideImage& image);
   void embed_side_files();
-  void close_first_buffer(std::vector<std::byte>& bin);
+  void close_first_buffer();
   void close_new_buffer();
 
   Json json_;
@@ -84,8 +86,8 @@ class GltfOutput {
   Format format_;
   bool extends_first_ = false;  ///< new bytes go behind buffers[0]
   std::size_t buffer_ = 0;      ///< that new views name
-  std::uint64_t base_ = 0;      ///< where the new bytes start in it
-  std::vector<std::byte> added_;
+  std::size_t old_size_ = 0;    ///< bytes that were there
+  ByteChain data_;              ///< of that buffer, old bytes and new ones
   const char* meshopt_extension_ = kMeshoptExtension;
   std::uint64_t fallback_ = 0;  ///< bytes that compressed views decode to
 };

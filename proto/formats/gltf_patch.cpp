@@ -109,14 +109,14 @@ Result<void> SurfacePatch::place(const Slot& slot, const Make& make,
                                  const SurfacePrimitive& primitive, std::string_view name) {
   const auto [found, is_new] = made_.try_emplace(slot.key, 0);
   if (is_new) {
-    const Result<PackedValues> values = make();
+    Result<PackedValues> values = make();
     if (!values) return values.error();
     const ViewUse use{slot.target, slot.bounds, coding_};
     if (slot.label && references_[*slot.label] == 1) {
       found->second = *slot.label;
-      output_.fill_accessor(*slot.label, *values, use);
+      output_.fill_accessor(*slot.label, *std::move(values), use);
     } else {
-      found->second = output_.add_accessor(*values, use);
+      found->second = output_.add_accessor(*std::move(values), use);
     }
   }
   Json& json = json_of(primitive);

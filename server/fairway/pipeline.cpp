@@ -144,12 +144,11 @@ Result<SurfaceResult> denoise_surface(const Surface& surface, const TriangleMesh
   SurfaceResult result;
   result.moved = !denoised->report.steps.empty();
   if (result.moved) {
-    IndexedMesh moved{mesh.scatter_positions(surface.mesh, denoised->positions),
-                      surface.mesh.triangles};
+    result.positions = mesh.scatter_positions(surface.mesh, denoised->positions);
     if (!surface.normals.empty()) {
-      result.normals = keep_split_normals(moved, mesh.place_of_source(), surface.normals);
+      result.normals = keep_split_normals(result.positions, surface.mesh.triangles,
+                                          mesh.place_of_source(), surface.normals);
     }
-    result.positions = std::move(moved.positions);
   }
   progress.stage("curvature", kFlowed);
   if (!parameters.curvature.empty()) {

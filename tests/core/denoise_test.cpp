@@ -216,7 +216,8 @@ TEST_CASE("normals keep hard edges hard and seams smooth") {
   const Vec3 up(0, 0, 1);
   const Vec3 out(0, -1, 0);
   const std::vector<Vec3> normals =
-      keep_split_normals(mesh, place, std::vector<Vec3>{up, up, up, up, up, up, out, out, out});
+      keep_split_normals(mesh.positions, mesh.triangles, place,
+                         std::vector<Vec3>{up, up, up, up, up, up, out, out, out});
   CHECK((normals[1] - normals[3]).norm() < 1e-15);
   CHECK((normals[0] - up).norm() < 1e-15);
   CHECK(normals[1] != up);

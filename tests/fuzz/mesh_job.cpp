@@ -77,7 +77,8 @@ SurfaceResult compute(const Surface& surface) {
   result.moved = true;
   IndexedMesh source{mesh->scatter_positions(surface.mesh, moved), surface.mesh.triangles};
   if (!surface.normals.empty()) {
-    result.normals = keep_split_normals(source, mesh->place_of_source(), surface.normals);
+    result.normals = keep_split_normals(source.positions, source.triangles, mesh->place_of_source(),
+                                        surface.normals);
   }
   result.positions = std::move(source.positions);
   const CurvatureFields fields = scatter(*mesh, curvature(*mesh, moved));
