@@ -42,6 +42,13 @@ Limits limits_of(ComponentType type) {
 
 template <class Stored, class T>
 void read_all(const StridedElements& elements, T* out) {
+  // Without gaps it is one loop, which the compiler turns into wide loads.
+  if (elements.stride == elements.components * sizeof(Stored)) {
+    for (std::size_t i = 0; i < elements.count * elements.components; ++i) {
+      out[i] = static_cast<T>(load<Stored>(elements.first + i * sizeof(Stored)));
+    }
+    return;
+  }
   for (std::size_t i = 0; i < elements.count; ++i) {
     const std::byte* from = elements.first + i * elements.stride;
     for (std::size_t c = 0; c < elements.components; ++c) {

@@ -25,7 +25,7 @@ Result<StridedElements> elements(const GltfTables& tables, std::size_t view, std
 
 /// Overwrites the elements that a sparse accessor lists.
 template <class T>
-Result<void> apply_sparse(const GltfTables& tables, std::size_t index, std::vector<T>& out) {
+Result<void> apply_sparse(const GltfTables& tables, std::size_t index, std::span<T> out) {
   const GltfAccessor& accessor = tables.accessors[index];
   const GltfSparse& sparse = *accessor.sparse;
   auto indices =
@@ -46,27 +46,50 @@ Result<void> apply_sparse(const GltfTables& tables, std::size_t index, std::vect
   return {};
 }
 
-/// All components, as numbers that hold them.
-template <class T>
-Result<std::vector<T>> read_all(const GltfTables& tables, std::size_t index) {
+/// The number of all components, if it may be believed.
+Result<std::size_t> number_count(const GltfTables& tables, std::size_t index) {
   const GltfAccessor& accessor = tables.accessors[index];
   // An accessor without a view costs no bytes, so its count proves nothing.
   if (!accessor.view && accessor.count > tables.element_limit) {
     return accessor_error(index, "more elements are stated than the size of the file allows.");
   }
-  const auto components = static_cast<std::size_t>(accessor.components);
-  std::vector<T> out(static_cast<std::size_t>(accessor.count) * components);
+  return static_cast<std::size_t>(accessor.count) * static_cast<std::size_t>(accessor.components);
+}
+
+/// All components into `out`, which has room for them and holds zeros where there is no view.
+template <class T>
+Result<void> read_into(const GltfTables& tables, std::size_t index, std::span<T> out) {
+  const GltfAccessor& accessor = tables.accessors[index];
   if (accessor.view) {
     auto from = elements(tables, *accessor.view, accessor.offset, accessor.element_size);
     if (!from) return from.error();
     from->count = static_cast<std::size_t>(accessor.count);
-    from->components = components;
+    from->components = static_cast<std::size_t>(accessor.components);
     read_components(accessor.type, *from, out.data());
   }
-  if (accessor.sparse) {
-    if (const auto done = apply_sparse(tables, index, out); !done) return done.error();
-  }
+  return accessor.sparse ? apply_sparse(tables, index, out) : Result<void>();
+}
+
+template <class T>
+Result<std::vector<T>> read_all(const GltfTables& tables, std::size_t index) {
+  const auto count = number_count(tables, index);
+  if (!count) return count.error();
+  std::vector<T> out(*count);
+  if (const auto done = read_into<T>(tables, index, out); !done) return done.error();
   return out;
+}
+
+void decode_normalized(const GltfAccessor& accessor, std::span<double> values) {
+  if (!accessor.normalized) return;
+  for (double& value : values) value = decode_component({accessor.type, true}, value);
+}
+
+Result<void> check_indices(const GltfAccessor& accessor, std::size_t index) {
+  const bool is_unsigned = accessor.type == ComponentType::u8 ||
+                           accessor.type == ComponentType::u16 ||
+                           accessor.type == ComponentType::u32;
+  if (accessor.is_scalar() && is_unsigned && !accessor.normalized) return {};
+  return accessor_error(index, "indices are scalars of an unsigned integer type.");
 }
 
 }  // namespace
@@ -77,21 +100,38 @@ Result<std::vector<double>> read_stored(const GltfTables& tables, std::size_t in
 
 Result<std::vector<double>> read_values(const GltfTables& tables, std::size_t index) {
   auto out = read_stored(tables, index);
-  const GltfAccessor& accessor = tables.accessors[index];
-  if (!out || !accessor.normalized) return out;
-  for (double& value : *out) value = decode_component({accessor.type, true}, value);
+  if (out) decode_normalized(tables.accessors[index], *out);
   return out;
 }
 
-Result<std::vector<Index>> read_indices(const GltfTables& tables, std::size_t index) {
-  const GltfAccessor& accessor = tables.accessors[index];
-  const bool is_unsigned = accessor.type == ComponentType::u8 ||
-                           accessor.type == ComponentType::u16 ||
-                           accessor.type == ComponentType::u32;
-  if (!accessor.is_scalar() || !is_unsigned || accessor.normalized) {
-    return accessor_error(index, "indices are scalars of an unsigned integer type.");
+Result<void> append_vectors(const GltfTables& tables, std::size_t index, std::vector<Vec3>& out) {
+  const auto count = number_count(tables, index);
+  if (!count) return count.error();
+  const std::size_t before = out.size();
+  if (tables.accessors[index].view) {
+    out.resize(before + *count / 3);
+  } else {
+    out.resize(before + *count / 3, Vec3::Zero());
   }
+  const std::span<double> numbers(out.data()->data() + 3 * before, *count);
+  if (auto done = read_into(tables, index, numbers); !done) return done;
+  decode_normalized(tables.accessors[index], numbers);
+  return {};
+}
+
+Result<std::vector<Index>> read_indices(const GltfTables& tables, std::size_t index) {
+  if (auto done = check_indices(tables.accessors[index], index); !done) return done.error();
   return read_all<Index>(tables, index);
+}
+
+Result<std::vector<Triangle>> read_index_triples(const GltfTables& tables, std::size_t index) {
+  if (auto done = check_indices(tables.accessors[index], index); !done) return done.error();
+  const auto count = number_count(tables, index);
+  if (!count) return count.error();
+  std::vector<Triangle> out(*count / 3);
+  const std::span<Index> numbers(out.data()->data(), *count);
+  if (auto done = read_into(tables, index, numbers); !done) return done.error();
+  return out;
 }
 
 }  // namespace fairway

@@ -11,10 +11,15 @@ namespace fairway {
 /// invalid_mesh, unsupported_feature.
 Result<std::vector<double>> read_values(const GltfTables& tables, std::size_t accessor);
 
+/// Appends the elements of a VEC3 in the same way, without an intermediate copy.
+Result<void> append_vectors(const GltfTables& tables, std::size_t accessor, std::vector<Vec3>& out);
+
 /// The same as they are stored: integers stay integers.
 Result<std::vector<double>> read_stored(const GltfTables& tables, std::size_t accessor);
 
 /// An accessor of unsigned scalars.
 Result<std::vector<Index>> read_indices(const GltfTables& tables, std::size_t accessor);
+/// The same by threes; the count must be a multiple of three, not 0.
+Result<std::vector<Triangle>> read_index_triples(const GltfTables& tables, std::size_t accessor);
 
 }  // namespace fairway

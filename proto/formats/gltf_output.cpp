@@ -99,7 +99,7 @@ bool GltfOutput::add_compressed(const PackedValues& values, ViewTarget target) {
   const bool indices = target == ViewTarget::indices;
   const MeshoptLayout layout{indices ? MeshoptMode::indices : MeshoptMode::attributes,
                              MeshoptFilter::none, values.count, values.stride};
-  std::vector<std::byte> stream = encode_meshopt(values.bytes, layout);
+  std::vector<std::byte> stream = encode_meshopt(values.stored(), layout);
   if (stream.empty()) return false;
   const std::size_t new_buffer = extends_first_ ? 0 : 1;
   const auto buffers = json_.find("buffers");
@@ -114,8 +114,8 @@ bool GltfOutput::add_compressed(const PackedValues& values, ViewTarget target) {
   fallback_ = (fallback_ + 3) / 4 * 4;
   view["buffer"] = fallback;
   view["byteOffset"] = fallback_;
-  view["byteLength"] = values.bytes.size();
-  fallback_ += values.bytes.size();
+  view["byteLength"] = values.stored().size();
+  fallback_ += values.stored().size();
   view["extensions"][meshopt_extension_] = std::move(extension);
   return true;
 }
@@ -123,7 +123,12 @@ bool GltfOutput::add_compressed(const PackedValues& values, ViewTarget target) {
 /// Takes the bytes out of `values`.
 std::size_t GltfOutput::add_view(PackedValues& values, const ViewUse& use) {
   if (use.coding == ViewCoding::plain || !add_compressed(values, use.target)) {
-    add_bytes(std::move(values.bytes));
+    add_view_of(values.stored().size());
+    if (values.borrowed.empty()) {
+      data_.append(std::move(values.bytes));
+    } else {
+      data_.append_view(values.borrowed);
+    }
   }
   Json& view = json_["bufferViews"].back();
   if (!values.is_tight()) view["byteStride"] = values.stride;

@@ -54,7 +54,7 @@ class GltfOutput {
   Json& json() { return json_; }
 
   /// Appends the values with a view of their own and describes them in a new accessor, which this
-  /// returns.
+  /// returns. What they borrow must live until finish().
   std::size_t add_accessor(PackedValues values, const ViewUse& use);
 
   /// The same for an accessor that is there: its name, extras and extensions stay.

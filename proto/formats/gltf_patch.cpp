@@ -203,7 +203,7 @@ Result<void> SurfacePatch::add_attributes(const SurfacePrimitive& primitive) {
       const auto components = static_cast<std::size_t>(attribute.components);
       const auto values =
           std::span(attribute.values).subspan(block.first * components, block.count * components);
-      return pack_floats(values, attribute.components);
+      return borrow_floats(values, attribute.components);
     };
     const Slot slot{{block.position, block.draco_view.value_or(kNoIndex), attribute.name}};
     if (auto done = place(slot, make, primitive, attribute.name); !done) return done;

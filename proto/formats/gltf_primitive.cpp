@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -56,6 +57,22 @@ Result<void> check_targets(const JsonPlace& primitive, const GltfTables& tables)
   return {};
 }
 
+/// Every index names a vertex.
+Result<void> check_range(const JsonPlace& primitive, std::span<const Index> indices,
+                         Index vertices) {
+  // The sign bits of i and of v − 1 − i, without a branch: below 2³¹ both are 0 where 0 ≤ i < v.
+  constexpr Index kSign = Index{1} << 31U;
+  Index signs = 0;
+  for (const Index index : indices) signs |= index | (vertices - 1 - index);
+  if (vertices <= kSign && (signs & kSign) == 0) return {};
+  if (indices.empty()) return {};
+  const Index largest = *std::max_element(indices.begin(), indices.end());
+  if (largest < vertices) return {};
+  const auto at = std::find(indices.begin(), indices.end(), largest) - indices.begin();
+  return primitive.error_at("indices",
+                            fmt::format("index {} at {} of {} vertices.", largest, at, vertices));
+}
+
 Result<std::vector<Index>> index_list(const JsonPlace& primitive, const TriangleSource& source,
                                       Index vertices, const GltfTables& tables) {
   std::vector<Index> out;
@@ -66,11 +83,7 @@ Result<std::vector<Index>> index_list(const JsonPlace& primitive, const Triangle
   }
   auto indices = read_indices(tables, *source.indices);
   if (!indices) return indices.error();
-  const auto largest = std::max_element(indices->begin(), indices->end());
-  if (largest != indices->end() && *largest >= vertices) {
-    return primitive.error_at("indices", fmt::format("index {} at {} of {} vertices.", *largest,
-                                                     largest - indices->begin(), vertices));
-  }
+  if (auto done = check_range(primitive, *indices, vertices); !done) return done.error();
   return indices;
 }
 
@@ -159,6 +172,16 @@ Result<std::vector<Triangle>> read_triangles(const JsonPlace& primitive,
                                              const TriangleSource& source, Index vertices,
                                              const GltfTables& tables, const DracoMeshes& meshes) {
   if (source.draco) return meshes.at(source.draco->view).triangles();
+  if (source.mode == PrimitiveMode::triangles && source.indices) {
+    const std::uint64_t corners = tables.accessors[*source.indices].count;
+    if (corners > 0 && corners % 3 == 0) {
+      auto triangles = read_index_triples(tables, *source.indices);
+      if (!triangles) return triangles.error();
+      const std::span<const Index> indices(triangles->data()->data(), 3 * triangles->size());
+      if (auto done = check_range(primitive, indices, vertices); !done) return done.error();
+      return triangles;
+    }
+  }
   const auto list = index_list(primitive, source, vertices, tables);
   if (!list) return list.error();
   if (list->size() < 3) return primitive.error("a triangle has three vertices.");

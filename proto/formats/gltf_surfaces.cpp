@@ -24,6 +24,17 @@ constexpr std::uint64_t kSharesOfDecoded = 8;
 
 using Accessor = std::optional<std::size_t>;
 
+/// The first position that is not finite.
+std::optional<std::size_t> first_not_finite(std::span<const Vec3> positions) {
+  // 0 · x is 0 for finite numbers alone; the sum is a loop without branches.
+  Vec3 zero = Vec3::Zero();
+  for (const Vec3& p : positions) zero += 0.0 * p;
+  if (zero.isZero(0.0)) return std::nullopt;
+  const auto at = std::find_if_not(positions.begin(), positions.end(),
+                                   [](const Vec3& p) { return p.allFinite(); });
+  return static_cast<std::size_t>(at - positions.begin());
+}
+
 /// Appends triangles whose vertices are counted from `first`.
 void append_triangles(std::vector<Triangle> triangles, Index first, std::vector<Triangle>& out) {
   if (first == 0 && out.empty()) {
@@ -51,6 +62,8 @@ class SurfaceGatherer {
                                Surface& surface, SurfacePlan& plan);
   Result<void> read_block(const JsonPlace& place, const TriangleSource& source,
                           const VertexBlock& block, Surface& surface);
+  Result<void> append_positions(const TriangleSource& source, std::size_t accessor,
+                                std::vector<Vec3>& out) const;
   Result<std::vector<double>> read_attribute(const TriangleSource& source, std::string_view name,
                                              std::size_t accessor) const;
   Result<void> check_position(const JsonPlace& place, const TriangleSource& source);
@@ -140,18 +153,27 @@ Result<std::vector<double>> SurfaceGatherer::read_attribute(const TriangleSource
   return read_values(tables_, accessor);
 }
 
+Result<void> SurfaceGatherer::append_positions(const TriangleSource& source, std::size_t accessor,
+                                               std::vector<Vec3>& out) const {
+  if (!source.draco) return append_vectors(tables_, accessor, out);
+  const auto numbers = read_attribute(source, "POSITION", accessor);
+  if (!numbers) return numbers.error();
+  out.reserve(out.size() + numbers->size() / 3);
+  for (std::size_t i = 0; i < numbers->size(); i += 3) {
+    out.emplace_back((*numbers)[i], (*numbers)[i + 1], (*numbers)[i + 2]);
+  }
+  return {};
+}
+
 Result<void> SurfaceGatherer::read_block(const JsonPlace& place, const TriangleSource& source,
                                          const VertexBlock& block, Surface& surface) {
-  const auto positions = read_attribute(source, "POSITION", block.position);
-  if (!positions) return positions.error();
-  surface.mesh.positions.reserve(surface.mesh.positions.size() + block.count);
-  for (std::size_t i = 0; i < positions->size(); i += 3) {
-    const Vec3 position((*positions)[i], (*positions)[i + 1], (*positions)[i + 2]);
-    if (!position.allFinite()) {
-      return place.error(fmt::format(
-          "the position of vertex {} is not finite; remove such vertices first.", i / 3));
-    }
-    surface.mesh.positions.push_back(position);
+  if (auto done = append_positions(source, block.position, surface.mesh.positions); !done) {
+    return done;
+  }
+  const auto positions = std::span(surface.mesh.positions).subspan(block.first);
+  if (const auto at = first_not_finite(positions)) {
+    return place.error(
+        fmt::format("the position of vertex {} is not finite; remove such vertices first.", *at));
   }
   if (block.normal) {
     const auto normals = read_attribute(source, "NORMAL", *block.normal);

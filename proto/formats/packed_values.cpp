@@ -4,6 +4,7 @@
 #include "proto/formats/packed_values.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "proto/formats/bytes.h"
@@ -49,6 +50,23 @@ class Packer {
   std::size_t elements_ = 0;
 };
 
+void find_bounds(std::span<const float> values, PackedValues& out) {
+  const auto components = static_cast<std::size_t>(out.components);
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  std::array<float, 4> least;
+  std::array<float, 4> most;
+  least.fill(kInfinity);
+  most.fill(-kInfinity);
+  for (std::size_t i = 0; i + components <= values.size(); i += components) {
+    for (std::size_t c = 0; c < components; ++c) {
+      least[c] = std::min(least[c], values[i + c]);
+      most[c] = std::max(most[c], values[i + c]);
+    }
+  }
+  out.min.assign(least.begin(), least.begin() + out.components);
+  out.max.assign(most.begin(), most.begin() + out.components);
+}
+
 ComponentType index_type(Index vertex_count, ComponentType least) {
   const std::uint64_t highest = vertex_count;
   if (least == ComponentType::u8 && highest <= 0xFF) return ComponentType::u8;
@@ -65,34 +83,35 @@ PackedValues pack_values(std::span<const double> values, const Packing& packing)
   return packer.take();
 }
 
-PackedValues pack_floats(std::span<const float> values, int components) {
-  const auto per_element = static_cast<std::size_t>(components);
+PackedValues borrow_floats(std::span<const float> values, int components) {
   PackedValues out;
   out.components = components;
-  out.count = values.size() / per_element;
-  out.stride = sizeof(float) * per_element;
-  const auto bytes = std::as_bytes(values);
-  out.bytes.assign(bytes.begin(), bytes.end());
-  for (std::size_t c = 0; c < per_element; ++c) {
-    float least = std::numeric_limits<float>::infinity();
-    float most = -least;
-    for (std::size_t i = c; i < values.size(); i += per_element) {
-      least = std::min(least, values[i]);
-      most = std::max(most, values[i]);
-    }
-    out.min.push_back(static_cast<double>(least));
-    out.max.push_back(static_cast<double>(most));
-  }
+  out.count = values.size() / static_cast<std::size_t>(components);
+  out.stride = sizeof(float) * static_cast<std::size_t>(components);
+  out.borrowed = std::as_bytes(values);
+  return out;
+}
+
+PackedValues pack_floats(std::span<const float> values, int components) {
+  PackedValues out = borrow_floats(values, components);
+  out.bytes.assign(out.borrowed.begin(), out.borrowed.end());
+  out.borrowed = {};
+  find_bounds(values, out);
   return out;
 }
 
 PackedValues pack_vectors(std::span<const Vec3> vectors) {
-  std::vector<float> values;
-  values.reserve(3 * vectors.size());
+  PackedValues out;
+  out.components = 3;
+  out.count = vectors.size();
+  out.stride = 3 * sizeof(float);
+  out.bytes.resize(vectors.size() * out.stride);
+  float* to = reinterpret_cast<float*>(out.bytes.data());
   for (const Vec3& vector : vectors) {
-    for (int c = 0; c < 3; ++c) values.push_back(static_cast<float>(vector[c]));
+    for (int c = 0; c < 3; ++c) *to++ = static_cast<float>(vector[c]);
   }
-  return pack_floats(values, 3);
+  find_bounds({reinterpret_cast<const float*>(out.bytes.data()), 3 * vectors.size()}, out);
+  return out;
 }
 
 PackedValues pack_triangles(std::span<const Triangle> triangles, Index vertex_count,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "proto/formats/bytes.h"
 #include "proto/formats/component_type.h"
 
 namespace fairway {
@@ -17,8 +18,10 @@ struct PackedValues {
   std::uint64_t count = 0;
   std::size_t stride = 0;  ///< bytes between elements
   std::vector<std::byte> bytes;
-  std::vector<double> min, max;  ///< of the stored values, per component
+  ByteSpan borrowed = {};        ///< bytes that somebody else keeps, instead of `bytes`
+  std::vector<double> min, max;  ///< of the stored values, per component; none if borrowed
 
+  ByteSpan stored() const { return borrowed.empty() ? ByteSpan(bytes) : borrowed; }
   bool is_tight() const { return stride == size_of(type) * static_cast<std::size_t>(components); }
 };
 
@@ -36,6 +39,8 @@ struct Packing {
 /// type, see encode_component().
 PackedValues pack_values(std::span<const double> values, const Packing& packing);
 PackedValues pack_floats(std::span<const float> values, int components);
+/// The same without bounds, as they stand in `values`, which must outlive what is packed.
+PackedValues borrow_floats(std::span<const float> values, int components);
 PackedValues pack_vectors(std::span<const Vec3> vectors);
 
 /// Triangle indices, tight, in the smallest of `least`, u16 and u32 that holds vertices of

@@ -15,13 +15,13 @@
 
 #include "core/curvature.h"
 #include "core/denoise.h"
-#include "core/edge_geometry.h"
 #include "core/packed_flow.h"
 #include "core/packed_mesh.h"
 #include "core/shapes.h"
 #include "core/surface_geometry.h"
 #include "core/weld.h"
 #include "server/os/memory.h"
+#include "tests/bench/default_step.h"
 #include "tests/bench/implicit_bench.h"
 #include "tests/bench/plain_flow.h"
 #include "tests/bench/report.h"
@@ -45,12 +45,6 @@ IndexedMesh shuffled(const IndexedMesh& mesh) {
   for (Triangle& t : out.triangles) t = {to[t[0]], to[t[1]], to[t[2]]};
   std::shuffle(out.triangles.begin(), out.triangles.end(), engine);
   return out;
-}
-
-/// λ in mean edges, as a default run chooses it for this step.
-double automatic_lambda(PackedFlow& flow) {
-  const double bend = flow.bends(true).robust * 180.0 / 3.14159265358979;
-  return lambda_of_feature_angle(std::clamp(3.0 * bend, 12.0, 30.0), 1.0);
 }
 
 class Bench {
@@ -113,14 +107,6 @@ class Bench {
         PackedFlow::create(mesh_, mesh_.positions(), mean_edge_, held_, options, execution());
     out->mark_start();
     return out;
-  }
-
-  /// What denoise() does per step. Returns λ in mean edges.
-  static double default_step(PackedFlow& flow) {
-    const double lambda = automatic_lambda(flow);
-    flow.step(lambda, kStepSize, 1e6);
-    flow.displacement();
-    return lambda;
   }
 
   /// Steps of an automatic run.
@@ -188,7 +174,6 @@ class Bench {
   static constexpr std::size_t kLarge = 200'000;
   static constexpr std::size_t kPlainSteps = 4;
   static constexpr std::size_t kManySteps = 500;
-  static constexpr double kStepSize = 0.1;
   static constexpr double kLong = std::numeric_limits<double>::max();
 
   const Settings& settings_;
