@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "core/curvature_kernel.h"
-#include "core/surface_geometry.h"
 #include "core/thread_team.h"
 
 namespace fairway {
@@ -40,7 +39,8 @@ std::vector<T> spread(const std::vector<T>& values, const std::vector<Index>& ve
 CurvatureFields curvature(const TriangleMesh& surface, std::span<const Vec3> positions,
                           const Execution& execution) {
   const std::size_t n = surface.vertex_count();
-  const double per_length = 1.0 / mean_edge_length(surface, positions);
+  // Any length of the surface's scale would do: it keeps numbers near 1.
+  const double per_length = 1.0 / surface.mean_edge_length();
   std::vector<Quad<double>> x(n);
   for (std::size_t v = 0; v < n; ++v) {
     const Vec3 p = positions[v] * per_length;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace fairway {
 
@@ -12,6 +13,12 @@ inline constexpr double kMostFixedPointUnits = 1e9;
 /// nearly as much again below kMostFixedPointUnits.
 inline double fixed_point_unit(double largest) {
   return std::exp2(std::ceil(std::log2(std::max(largest, 1.0))) + 2.0 - 31.0);
+}
+
+/// The nearest whole number of units; what is in between goes away from 0. std::lround takes five
+/// times as long.
+inline std::int32_t nearest_unit(double units) {
+  return static_cast<std::int32_t>(units + (units < 0.0 ? -0.5 : 0.5));
 }
 
 /// Fixed-point positions serve a surface if rounding moves nothing by 1e-4 L in ten steps: its

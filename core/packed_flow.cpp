@@ -143,9 +143,7 @@ Flow<Real>::Flow(const TriangleMesh& mesh, std::span<const Vec3> positions, doub
     if (v == kNoIndex) continue;
     const Vec3 p = positions[v] * scale;
     if constexpr (std::is_same_v<Real, float>) {
-      x_[slot] = {static_cast<std::int32_t>(std::lround(p.x())),
-                  static_cast<std::int32_t>(std::lround(p.y())),
-                  static_cast<std::int32_t>(std::lround(p.z())), 0};
+      x_[slot] = {nearest_unit(p.x()), nearest_unit(p.y()), nearest_unit(p.z()), 0};
     } else {
       x_[slot] = {p.x(), p.y(), p.z(), 0.0};
     }

@@ -10,8 +10,9 @@ namespace {
 std::size_t count_components(const TriangleMesh& mesh) {
   UnionFind sets(mesh.vertex_count());
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    Index root = sets.find(v);
     for (const Index q : mesh.rings()[v]) {
-      if (q < v) sets.unite(q, v);
+      if (q < v) root = sets.unite_root(root, q);
     }
   }
   std::size_t count = 0;

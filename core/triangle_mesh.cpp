@@ -75,15 +75,21 @@ const EdgeTopology& TriangleMesh::edge_topology() const {
 /// as corners (one at each neighbour), counter-clockwise from a boundary edge if there is one.
 void TriangleMesh::walk_fan(const CornerTable& corners, Index start) {
   const auto vertex = static_cast<Index>(place_of_vertex_.size());
-  for (Index c = start;;) {
-    const Index back = corners.clockwise(c);
-    if (back == kNoIndex) {
-      start = c;
-      break;
-    }
-    c = back;
-    if (c == start) break;
+  const std::size_t first = rings_.items.size();
+  Index c = walk_once(corners, start, vertex);
+  if (c == kNoIndex) {
+    // An open fan begins at its other end.
+    Index back = start;
+    while ((back = corners.clockwise(start)) != kNoIndex) start = back;
+    rings_.items.resize(first);
+    c = walk_once(corners, start, vertex);
   }
+  boundary_vertex_.push_back(c == kNoIndex ? 1 : 0);
+  rings_.offsets.push_back(static_cast<Index>(rings_.items.size()));
+}
+
+/// Goes round counter-clockwise from `start`. Returns it, or kNoIndex at a boundary.
+Index TriangleMesh::walk_once(const CornerTable& corners, Index start, Index vertex) {
   Index c = start;
   Index last = c;
   do {
@@ -93,12 +99,31 @@ void TriangleMesh::walk_fan(const CornerTable& corners, Index start) {
     c = corners.counter_clockwise(c);
   } while (c != kNoIndex && c != start);
   if (c == kNoIndex) rings_.items.push_back(previous_corner(last));
-  boundary_vertex_.push_back(c == kNoIndex ? 1 : 0);
-  rings_.offsets.push_back(static_cast<Index>(rings_.items.size()));
+  return c;
+}
+
+/// One vertex per place, if every place has one fan: the rule. Nothing is sorted then.
+bool TriangleMesh::make_single_fans(const CornerTable& corners,
+                                    const std::vector<Triangle>& place_faces,
+                                    std::size_t place_count) {
+  std::vector<Index> first(place_count, kNoIndex);
+  for (auto f = static_cast<Index>(place_faces.size()); f-- > 0;) {
+    for (Index slot = 3; slot-- > 0;) first[place_faces[f][slot]] = 3 * f + slot;
+  }
+  std::size_t walked = 0;
+  for (Index p = 0; p < place_count; ++p) {
+    if (first[p] == kNoIndex) continue;
+    const std::size_t before = rings_.items.size();
+    walk_fan(corners, first[p]);
+    place_of_vertex_.push_back(p);
+    // A ring has one neighbour more than faces where it is open.
+    walked += rings_.items.size() - before - boundary_vertex_.back();
+  }
+  return walked == 3 * place_faces.size();
 }
 
 /// One vertex per fan, in the order of places, then of corners.
-void TriangleMesh::make_vertices(const CornerTable& corners,
+void TriangleMesh::make_all_fans(const CornerTable& corners,
                                  const std::vector<Triangle>& place_faces,
                                  std::size_t place_count) {
   const auto corner_count = static_cast<Index>(3 * place_faces.size());
@@ -111,11 +136,6 @@ void TriangleMesh::make_vertices(const CornerTable& corners,
   for (Index& e : end) sum = std::exchange(e, sum) + sum;
   std::vector<Index> at_place(corner_count);
   for (Index c = 0; c < corner_count; ++c) at_place[end[place_faces[c / 3][c % 3]]++] = c;
-
-  faces_.assign(place_faces.size(), {kNoIndex, kNoIndex, kNoIndex});
-  rings_.items.reserve(corner_count + corner_count / 16);
-  rings_.offsets.reserve(place_count + 1);
-  rings_.offsets.push_back(0);
   Index first = 0;
   for (Index p = 0; p < place_count; ++p) {
     std::size_t fans = 0;
@@ -128,6 +148,25 @@ void TriangleMesh::make_vertices(const CornerTable& corners,
     }
     counts_.split += fans > 1 ? fans - 1 : 0;
     first = end[p];
+  }
+}
+
+void TriangleMesh::make_vertices(const CornerTable& corners,
+                                 const std::vector<Triangle>& place_faces,
+                                 std::size_t place_count) {
+  const auto begin = [&] {
+    faces_.assign(place_faces.size(), {kNoIndex, kNoIndex, kNoIndex});
+    rings_.items.clear();
+    rings_.items.reserve(3 * place_faces.size() + 3 * place_faces.size() / 16);
+    rings_.offsets.assign(1, 0);
+    rings_.offsets.reserve(place_count + 1);
+    place_of_vertex_.clear();
+    boundary_vertex_.clear();
+  };
+  begin();
+  if (!make_single_fans(corners, place_faces, place_count)) {
+    begin();
+    make_all_fans(corners, place_faces, place_count);
   }
   for (Index& item : rings_.items) item = faces_[item / 3][item % 3];
 }

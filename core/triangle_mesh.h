@@ -82,7 +82,12 @@ class TriangleMesh {
   const EdgeTopology& edge_topology() const;
   void make_vertices(const CornerTable& corners, const std::vector<Triangle>& place_faces,
                      std::size_t place_count);
+  bool make_single_fans(const CornerTable& corners, const std::vector<Triangle>& place_faces,
+                        std::size_t place_count);
+  void make_all_fans(const CornerTable& corners, const std::vector<Triangle>& place_faces,
+                     std::size_t place_count);
   void walk_fan(const CornerTable& corners, Index start);
+  Index walk_once(const CornerTable& corners, Index start, Index vertex);
   void map_back(const IndexedMesh& source, std::size_t place_count);
   bool all_faces_flat() const;
 

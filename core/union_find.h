@@ -23,11 +23,14 @@ class UnionFind {
     return x;
   }
 
-  void unite(Index a, Index b) {
-    a = find(a);
+  void unite(Index a, Index b) { unite_root(find(a), b); }
+
+  /// The same for a representative `a`. Returns that of the set of both.
+  Index unite_root(Index a, Index b) {
     b = find(b);
     if (a > b) std::swap(a, b);
     parent_[b] = a;
+    return a;
   }
 
  private:
