@@ -11,7 +11,7 @@
 
 #include "proto/formats/draco_decoder.h"
 #include "proto/formats/draco_parts.h"
-#include "proto/formats/fresh_gltf.h"
+#include "proto/formats/fresh_compression.h"
 #include "proto/formats/surface_result.h"
 
 namespace fairway {
@@ -46,12 +46,12 @@ class DracoDocument final : public Document {
                         const Encoding& encoding) const override {
     if (const auto done = check_results(surfaces_, results); !done) return done.error();
     if (format == Format::drc) return write_draco(results.front(), encoding.draco);
-    return write_gltf(results.front(), format);
+    return write_gltf(results.front(), format, encoding);
   }
 
  private:
   Result<Encoded> write_draco(const SurfaceResult& result, const DracoOptions& options) const;
-  Result<Encoded> write_gltf(const SurfaceResult& result, Format format) const;
+  Result<Encoded> write_gltf(const SurfaceResult& result, Format format, Encoding encoding) const;
   Result<DracoPart> kept_part(const DracoAttribute& attribute, const DracoOptions& options) const;
   std::optional<std::uint32_t> id_of(DracoKind kind) const;
 
@@ -139,10 +139,11 @@ Packing packing_of(const DracoAttribute& attribute) {
           attribute.components};
 }
 
-Result<Encoded> DracoDocument::write_gltf(const SurfaceResult& result, Format format) const {
+Result<Encoded> DracoDocument::write_gltf(const SurfaceResult& result, Format format,
+                                          Encoding encoding) const {
   const Surface& surface = surfaces_.front();
   FreshMesh mesh;
-  Encoded out;
+  std::vector<std::string> notes;
   mesh.triangles = surface.mesh.triangles;
   mesh.attributes.push_back(
       {"POSITION", pack_vectors(result.moved ? result.positions : surface.mesh.positions)});
@@ -152,8 +153,8 @@ Result<Encoded> DracoDocument::write_gltf(const SurfaceResult& result, Format fo
   }
   for (const auto& [attribute, name] : kept_) {
     if (name.empty()) {
-      out.notes.push_back(fmt::format("Draco attribute {} has no place in glTF and is left out",
-                                      attribute->unique_id));
+      notes.push_back(fmt::format("Draco attribute {} has no place in glTF and is left out",
+                                  attribute->unique_id));
     }
     if (name.empty() || replaces(result, name)) continue;
     const auto values = mesh_.values(*attribute);
@@ -164,10 +165,12 @@ Result<Encoded> DracoDocument::write_gltf(const SurfaceResult& result, Format fo
     mesh.attributes.push_back(
         {attribute.name, pack_floats(attribute.values, attribute.components)});
   }
-  auto bytes = write_fresh_gltf(mesh, format);
-  if (!bytes) return bytes.error();
-  out.bytes = *std::move(bytes);
-  return out;
+  // It came as Draco.
+  if (encoding.compression == Compression::keep) encoding.compression = Compression::draco;
+  auto written = write_fresh_gltf(mesh, format, encoding, surface.name);
+  if (!written) return written.error();
+  written->notes.insert(written->notes.begin(), notes.begin(), notes.end());
+  return written;
 }
 
 Result<Surface> read_surface(DracoMesh& mesh) {

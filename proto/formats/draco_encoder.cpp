@@ -9,6 +9,7 @@
 
 #include <draco/compression/expert_encode.h>
 #include <draco/metadata/metadata_encoder.h>
+#include <fmt/format.h>
 
 #include "proto/formats/draco_header.h"
 #include "proto/formats/draco_library.h"
@@ -160,6 +161,35 @@ void add_faces(const DracoSource& source, draco::Mesh& mesh) {
   }
 }
 
+bool is_wide_integer(draco::DataType type) {
+  return type == draco::DT_INT32 || type == draco::DT_UINT32 || type == draco::DT_INT64 ||
+         type == draco::DT_UINT64;
+}
+
+/// True if libdraco's entropy coder must not see the values: it counts symbols in a table as long
+/// as the largest one, so that 30 bits are gigabytes, whatever the size of the mesh.
+bool has_wide_values(const draco::Mesh& mesh, const DracoSource& source) {
+  constexpr int kMostBits = 20;
+  for (std::size_t i = 0; i < source.parts.size(); ++i) {
+    const DracoPart& part = source.parts[i];
+    const bool wide_grid = part.grid && part.grid->bits > kMostBits;
+    if (wide_grid || part.octahedral_bits > kMostBits) return true;
+    if (is_wide_integer(mesh.attribute(static_cast<std::int32_t>(i))->data_type())) return true;
+  }
+  return false;
+}
+
+/// libdraco keeps options as text, and its own setters write six decimals: too few for the origin
+/// and range of a small mesh. Both are set once more, in digits that read back as they are.
+void set_grid(const QuantizationGrid& grid, std::int32_t id, draco::ExpertEncoder& encoder) {
+  encoder.SetAttributeExplicitQuantization(id, grid.bits, static_cast<int>(grid.origin.size()),
+                                           grid.origin.data(), grid.range);
+  draco::Options options = *encoder.options().FindAttributeOptions(id);
+  options.SetString("quantization_origin", fmt::format("{}", fmt::join(grid.origin, " ")));
+  options.SetString("quantization_range", fmt::format("{}", grid.range));
+  encoder.options().SetAttributeOptions(id, options);
+}
+
 /// How one attempt encodes.
 struct Attempt {
   int level = 0;
@@ -172,17 +202,18 @@ std::optional<DracoStream> encode(const draco::Mesh& mesh, const DracoSource& so
   draco::ExpertEncoder encoder(mesh);
   encoder.SetEncodingMethod(attempt.edgebreaker ? draco::MESH_EDGEBREAKER_ENCODING
                                                 : draco::MESH_SEQUENTIAL_ENCODING);
-  encoder.SetSpeedOptions(kFastest - attempt.level, kFastest - attempt.level);
+  const bool wide = has_wide_values(mesh, source);
+  // Above this level predictions are chosen by the same tables.
+  const int level = wide ? std::min(attempt.level, 8) : attempt.level;
+  encoder.SetSpeedOptions(kFastest - level, kFastest - level);
+  encoder.options().SetGlobalBool("use_built_in_attribute_compression", !wide);
   encoder.SetTrackEncodedProperties(true);
   encoder.options().SetGlobalBool("compress_connectivity", attempt.compress_faces);
   for (std::size_t i = 0; i < source.parts.size(); ++i) {
     const DracoPart& part = source.parts[i];
     const auto id = static_cast<std::int32_t>(i);
     if (part.octahedral_bits > 0) encoder.SetAttributeQuantization(id, part.octahedral_bits);
-    if (!part.grid) continue;
-    encoder.SetAttributeExplicitQuantization(id, part.grid->bits,
-                                             static_cast<int>(part.grid->origin.size()),
-                                             part.grid->origin.data(), part.grid->range);
+    if (part.grid) set_grid(*part.grid, id, encoder);
   }
   draco::EncoderBuffer buffer;
   if (!encoder.EncodeToBuffer(&buffer).ok()) return std::nullopt;
@@ -214,6 +245,9 @@ std::optional<DracoStream> encode_somehow(const draco::Mesh& mesh, const DracoSo
   for (const Attempt& attempt :
        {Attempt{level, true, true}, Attempt{level, false, true}, Attempt{level, false, false}}) {
     if (attempt.edgebreaker && order == DracoOrder::kept) continue;
+    if (!attempt.edgebreaker && !draco_keeps_points(source.points, source.triangles.size())) {
+      continue;
+    }
     auto out = encode(mesh, source, attempt);
     if (!out || out->triangles == 0 || !check_draco_header(out->bytes)) continue;
     if (attempt.edgebreaker || has_bytes_for_faces(*out, mesh)) return out;
@@ -221,7 +255,24 @@ std::optional<DracoStream> encode_somehow(const draco::Mesh& mesh, const DracoSo
   return std::nullopt;
 }
 
+Error refusal(const DracoSource& source) {
+  if (draco_keeps_points(source.points, source.triangles.size())) {
+    return {ErrorCode::unsupported_feature,
+            "Draco cannot store the values of this mesh; ask for another format, or for "
+            "\"compression\": \"none\"."};
+  }
+  return {ErrorCode::unsupported_feature,
+          fmt::format("Draco holds at most three points per triangle, and the mesh has {} vertices "
+                      "for {} triangles; remove the vertices that no triangle uses, leave them out "
+                      "with \"keep_order\": false, or ask for another format.",
+                      source.points, source.triangles.size())};
+}
+
 }  // namespace
+
+bool draco_keeps_points(std::uint64_t points, std::uint64_t triangles) {
+  return points <= 3 * triangles;
+}
 
 Result<DracoStream> encode_draco(const DracoSource& source, int level, DracoOrder order) {
   try {
@@ -230,11 +281,7 @@ Result<DracoStream> encode_draco(const DracoSource& source, int level, DracoOrde
     add_faces(source, mesh);
     add_parts(source, ids, mesh);
     auto out = encode_somehow(mesh, source, level, order);
-    if (!out) {
-      return Error{ErrorCode::unsupported_feature,
-                   "Draco cannot store the values of this mesh; ask for another format, or for "
-                   "\"compression\": \"none\"."};
-    }
+    if (!out) return refusal(source);
     out->unique_ids = ids;
     return *std::move(out);
   } catch (const std::bad_alloc&) {

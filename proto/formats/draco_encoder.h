@@ -52,10 +52,14 @@ struct DracoStream {
   std::uint64_t triangles = 0;
 };
 
+/// Whether a mesh can keep its points in their order: libdraco's decoder takes a sequential mesh
+/// for broken that has more than three points per triangle. Edgebreaker leaves out unused ones.
+bool draco_keeps_points(std::uint64_t points, std::uint64_t triangles);
+
 /// Encodes with Draco 2.2: sequentially, so that points and triangles keep their order, or by
 /// Edgebreaker where the order is free and the mesh lets it. `level` is 0 (fast) to 10 (small).
 /// What comes out passes check_draco_header(). Errors: unsupported_feature (values that Draco
-/// cannot store), too_large.
+/// cannot store, too many unused points), too_large.
 Result<DracoStream> encode_draco(const DracoSource& source, int level, DracoOrder order);
 
 }  // namespace fairway

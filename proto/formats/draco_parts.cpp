@@ -9,6 +9,21 @@
 #include "proto/messages/parameters.h"
 
 namespace fairway {
+namespace {
+
+/// The values of a floating attribute, which is tight.
+std::span<const float> floats_of(const PackedValues& values) {
+  return {reinterpret_cast<const float*>(values.bytes.data()), values.bytes.size() / sizeof(float)};
+}
+
+bool any_zero(std::span<const float> vectors) {
+  for (std::size_t i = 0; i + 2 < vectors.size(); i += 3) {
+    if (vectors[i] == 0.0F && vectors[i + 1] == 0.0F && vectors[i + 2] == 0.0F) return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 SurfaceGrids make_surface_grids(std::span<const Vec3> positions,
                                 std::span<const VertexAttribute> attributes,
@@ -58,6 +73,46 @@ std::string describe_surface(std::string_view name, const SurfaceGrids& grids,
 
 bool is_curvature_name(std::string_view name) {
   return name.starts_with("_CURVATURE_") || name == kFeatureAttribute;
+}
+
+DracoKind draco_kind_of(std::string_view gltf_name) {
+  if (gltf_name == "POSITION") return DracoKind::position;
+  if (gltf_name == "NORMAL") return DracoKind::normal;
+  if (gltf_name.starts_with("TEXCOORD_")) return DracoKind::tex_coord;
+  if (gltf_name.starts_with("COLOR_")) return DracoKind::color;
+  return DracoKind::generic;
+}
+
+std::optional<QuantizationGrid> gltf_grid(std::string_view name, const PackedValues& values,
+                                          const DracoOptions& options) {
+  const bool texture = draco_kind_of(name) == DracoKind::tex_coord;
+  if (values.type != ComponentType::f32 || !(texture || is_curvature_name(name))) {
+    return std::nullopt;
+  }
+  return make_grid(value_bounds(floats_of(values), values.components),
+                   texture ? options.texcoord_bits : options.curvature_bits);
+}
+
+DracoPart gltf_part(std::string_view name, const PackedValues& values,
+                    const DracoOptions& options) {
+  DracoPart part{.kind = draco_kind_of(name),
+                 .name = {},
+                 .components = values.components,
+                 .values = {},
+                 .grid = gltf_grid(name, values, options)};
+  if (values.type != ComponentType::f32) {
+    part.values = values;
+    return part;
+  }
+  const std::span<const float> floats = floats_of(values);
+  part.values = floats;
+  if (part.kind == DracoKind::position) {
+    part.grid = make_grid(value_bounds(floats, values.components), options.position_bits);
+  }
+  if (part.kind == DracoKind::normal && !any_zero(floats)) {
+    part.octahedral_bits = options.normal_bits;
+  }
+  return part;
 }
 
 Result<Encoded> write_fresh_draco(const Surface& surface, const SurfaceResult& result,

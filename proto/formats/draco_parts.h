@@ -42,6 +42,17 @@ std::string describe_surface(std::string_view name, const SurfaceGrids& grids,
 /// One of fairway's own attributes, by its name.
 bool is_curvature_name(std::string_view name);
 
+/// What an attribute of a glTF is to Draco, by its name there.
+DracoKind draco_kind_of(std::string_view gltf_name);
+
+/// The grid of a glTF attribute's values: floating texture coordinates and curvature are rounded.
+/// Nothing for all else.
+std::optional<QuantizationGrid> gltf_grid(std::string_view name, const PackedValues& values,
+                                          const DracoOptions& options);
+
+/// A whole attribute of a new glTF, positions and normals included. `values` must outlive it.
+DracoPart gltf_part(std::string_view name, const PackedValues& values, const DracoOptions& options);
+
 /// A new .drc around one surface.
 Result<Encoded> write_fresh_draco(const Surface& surface, const SurfaceResult& result,
                                   const DracoOptions& options);

@@ -10,7 +10,7 @@
 
 #include "proto/formats/bytes.h"
 #include "proto/formats/draco_parts.h"
-#include "proto/formats/fresh_gltf.h"
+#include "proto/formats/fresh_compression.h"
 #include "proto/formats/polygons.h"
 #include "proto/formats/stl_triangles.h"
 #include "proto/formats/surface_result.h"
@@ -126,7 +126,8 @@ Result<std::vector<std::byte>> write_stl(const Parts& parts) {
   return out;
 }
 
-Result<std::vector<std::byte>> write_gltf(const Parts& parts, Format format) {
+Result<Encoded> write_gltf(const Parts& parts, Format format, const Encoding& encoding,
+                           std::string_view name) {
   FreshMesh mesh;
   mesh.triangles = parts.triangles;
   mesh.attributes.push_back({"POSITION", pack_vectors(parts.positions)});
@@ -135,7 +136,7 @@ Result<std::vector<std::byte>> write_gltf(const Parts& parts, Format format) {
     mesh.attributes.push_back(
         {attribute.name, pack_floats(attribute.values, attribute.components)});
   }
-  return write_fresh_gltf(mesh, format);
+  return write_fresh_gltf(mesh, format, encoding, name);
 }
 
 std::string_view upper_name(Format format) {
@@ -145,20 +146,10 @@ std::string_view upper_name(Format format) {
   return "STL";
 }
 
-Result<std::vector<std::byte>> write_parts(const Parts& parts, Format format) {
-  switch (format) {
-    case Format::ply:
-      return write_ply(parts);
-    case Format::obj:
-      return write_obj(parts);
-    case Format::stl:
-      return write_stl(parts);
-    case Format::glb:
-    case Format::gltf:
-    case Format::drc:
-      break;
-  }
-  return write_gltf(parts, format);
+Result<std::vector<std::byte>> write_shape(const Parts& parts, Format format) {
+  if (format == Format::ply) return write_ply(parts);
+  if (format == Format::obj) return write_obj(parts);
+  return write_stl(parts);
 }
 
 }  // namespace
@@ -188,7 +179,8 @@ Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& re
     }
   }
   if (format == Format::drc) return write_fresh_draco(surface, result, encoding.draco);
-  auto bytes = write_parts(parts, format);
+  if (!is_shape(format)) return write_gltf(parts, format, encoding, surface.name);
+  auto bytes = write_shape(parts, format);
   if (!bytes) return bytes.error();
   return Encoded{*std::move(bytes), {}};
 }
@@ -196,15 +188,8 @@ Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& re
 Result<Encoded> convert(const Document& document, std::span<const SurfaceResult> results,
                         const Conversion& conversion) {
   const auto& [came, wanted, encoding] = conversion;
-  const bool fresh_scene = !holds_one_mesh(wanted) && holds_one_mesh(came);
   if (wanted == came || !holds_one_mesh(wanted) || is_shape(came)) {
-    auto out = document.write(results, wanted, encoding);
-    if (out && fresh_scene && encoding.compression != Compression::none) {
-      out->notes.emplace_back(
-          "a new glTF is written without compression; \"compression\" is for files that come as "
-          "glTF");
-    }
-    return out;
+    return document.write(results, wanted, encoding);
   }
   const auto done = check_results(document.surfaces(), results);
   if (!done) return done.error();

@@ -13,13 +13,6 @@
 namespace fairway {
 namespace {
 
-DracoKind kind_of_name(std::string_view name) {
-  if (name == "NORMAL") return DracoKind::normal;
-  if (name.starts_with("TEXCOORD_")) return DracoKind::tex_coord;
-  if (name.starts_with("COLOR_")) return DracoKind::color;
-  return DracoKind::generic;
-}
-
 /// The shape and bounds of values, for their label.
 PackedValues shape_of(const DracoPart& part, std::uint64_t count) {
   PackedValues out;
@@ -84,15 +77,11 @@ void PrimitiveCompressor::add(std::string name, DracoPart part) {
 
 /// Texture coordinates and curvature of floats are rounded, all else is kept as it is.
 void PrimitiveCompressor::add_packed(const std::string& name, PackedValues values) {
-  DracoPart part{
-      .kind = kind_of_name(name), .name = {}, .components = values.components, .values = {}};
-  const bool texture = part.kind == DracoKind::tex_coord;
-  if (values.type == ComponentType::f32 && (texture || is_curvature_name(name))) {
-    const std::span<const float> floats(reinterpret_cast<const float*>(values.bytes.data()),
-                                        values.bytes.size() / sizeof(float));
-    part.grid = make_grid(value_bounds(floats, values.components),
-                          texture ? from_.options.texcoord_bits : from_.options.curvature_bits);
-  }
+  DracoPart part{.kind = draco_kind_of(name),
+                 .name = {},
+                 .components = values.components,
+                 .values = {},
+                 .grid = gltf_grid(name, values, from_.options)};
   part.values = std::move(values);
   add(name, std::move(part));
 }

@@ -233,14 +233,15 @@ PrimitiveCoding SurfacePatch::wanted_coding(const SurfacePrimitive& primitive) c
 
 /// A Draco stream is a list of triangles by index, so that strips, fans and what has no indices
 /// would become something else; and it holds all vertices of its primitive: those that others draw
-/// from too would be stored once for each.
+/// from too would be stored once for each, and those that nothing draws from may be too many.
 bool SurfacePatch::can_be_draco(const SurfacePrimitive& primitive) const {
   const TriangleSource& source = primitive.source;
   const bool list = source.mode == PrimitiveMode::triangles && source.indices.has_value();
   const auto users =
       std::count_if(plan_.primitives.begin(), plan_.primitives.end(),
                     [&](const SurfacePrimitive& p) { return p.block == primitive.block; });
-  return users == 1 && primitive.triangles > 0 && (list || source.draco);
+  return users == 1 && primitive.triangles > 0 && (list || source.draco) &&
+         draco_keeps_points(plan_.blocks[primitive.block].count, primitive.triangles);
 }
 
 PrimitiveCoding SurfacePatch::coding_of(const SurfacePrimitive& primitive) {
