@@ -54,6 +54,7 @@ class FlowRun {
         x_(mesh.positions()) {}
 
   Result<Denoised> run(const FlowObserver& observer, const std::stop_token& stop);
+  NoiseFinding look();
 
  private:
   void begin();
@@ -240,6 +241,11 @@ Result<Denoised> FlowRun::run(const FlowObserver& observer, const std::stop_toke
   return Denoised{std::move(x_), std::move(features), std::move(report)};
 }
 
+NoiseFinding FlowRun::look() {
+  begin();
+  return {report_.mean_edge_length, report_.noise, most_steps_};
+}
+
 }  // namespace
 
 Result<Denoised> denoise(const TriangleMesh& surface, const FlowOptions& options,
@@ -253,6 +259,11 @@ Result<Denoised> denoise(const TriangleMesh& surface, const FlowOptions& options
                                                     " of the source; count from 0."};
   }
   return FlowRun(surface, options, execution).run(observer, stop);
+}
+
+NoiseFinding find_noise(const TriangleMesh& surface, const Execution& execution) {
+  const FlowOptions options;
+  return FlowRun(surface, options, execution).look();
 }
 
 }  // namespace fairway

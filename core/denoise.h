@@ -57,6 +57,16 @@ struct Denoised {
   FlowReport report;
 };
 
+/// What an automatic run with the default options finds before its first step.
+struct NoiseFinding {
+  double mean_edge_length = 0.0;  ///< L, length, after unfolding
+  double noise = 0.0;             ///< σ̂ / L, after unfolding: FlowReport::noise of that run
+  int most_steps = 0;             ///< that run takes no more; it may end before
+
+  /// That run would leave the surface as it is.
+  bool clean() const { return most_steps == 0; }
+};
+
 /// Called after every step, from the thread that runs denoise().
 using FlowObserver = std::function<void(const FlowStep&)>;
 
@@ -68,5 +78,8 @@ using FlowObserver = std::function<void(const FlowStep&)>;
 Result<Denoised> denoise(const TriangleMesh& surface, const FlowOptions& options,
                          const FlowObserver& observer = {}, std::stop_token stop = {},
                          const Execution& execution = {});
+
+/// Looks for noise and moves nothing.
+NoiseFinding find_noise(const TriangleMesh& surface, const Execution& execution = {});
 
 }  // namespace fairway

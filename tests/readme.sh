@@ -51,4 +51,4 @@ done < <(grep '^curl ' "$readme")
 while IFS= read -r line; do
   echo "+ $line"
   eval "$line" </dev/null
-done < <(grep -E '^fairway (sample|denoise|curvature|compare) ' "$readme" | sort -r)
+done < <(grep -E '^fairway (sample|inspect|denoise|curvature|compare) ' "$readme" | sort -r)

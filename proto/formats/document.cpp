@@ -2,7 +2,10 @@
 
 #include "proto/formats/document.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "proto/formats/draco_document.h"
 #include "proto/formats/gltf_document.h"
@@ -39,6 +42,15 @@ Result<std::unique_ptr<Document>> decode_format(std::span<const std::byte> bytes
 }
 
 }  // namespace
+
+std::string counted(std::size_t count, std::string_view name) {
+  if (count == 1) return fmt::format("1 {}", name);
+  // The noun stands first: "primitives of points", "choices of a material".
+  const std::size_t end = std::min(name.find(" of "), name.find(" as "));
+  std::string noun(name.substr(0, end));
+  if (noun.ends_with("property")) noun.replace(noun.size() - 1, 1, "ie");
+  return fmt::format("{} {}s{}", count, noun, end < name.size() ? name.substr(end) : "");
+}
 
 Result<std::vector<std::byte>> Document::encode(std::span<const SurfaceResult> results,
                                                 Format format) const {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/mesh.h"
@@ -58,6 +59,19 @@ struct Encoded {
   std::vector<std::string> notes;  ///< sentences for the job's notes: errors of quantisation …
 };
 
+/// "1 mesh", "3 meshes": English plurals of what files count.
+std::string counted(std::size_t count, std::string_view name);
+
+/// What a file holds beside positions and triangles.
+struct FileFacts {
+  std::size_t meshes = 1;
+  std::size_t primitives = 1;  ///< of all kinds
+  /// What write_fresh_mesh() does not carry over: "3 materials", "transformations of nodes" …
+  std::vector<std::string> left_behind;
+  /// Sentences about parts that a job does not compute with and that are no matter for its notes.
+  std::vector<std::string> untouched;
+};
+
 /// A decoded file: its surfaces, and all that is needed to write it back with nothing else changed.
 class Document {
  public:
@@ -66,6 +80,8 @@ class Document {
   const std::vector<Surface>& surfaces() const { return surfaces_; }
   /// Sentences for the job's notes ("skinned: the bind pose is denoised").
   const std::vector<std::string>& notes() const { return notes_; }
+
+  const FileFacts& facts() const { return facts_; }
 
   /// The file with `results` (one per surface, in order) in place, as `format`.
   /// Errors: unsupported_feature (a format this document cannot become), too_large.
@@ -79,6 +95,7 @@ class Document {
  protected:
   std::vector<Surface> surfaces_;
   std::vector<std::string> notes_;
+  FileFacts facts_;
 };
 
 /// Decodes untrusted bytes; every count is checked before it is believed. `bytes` must outlive the

@@ -40,6 +40,7 @@ class DracoDocument final : public Document {
   DracoDocument(ByteSpan source, DracoMesh mesh, Surface surface, std::vector<KeptAttribute> kept)
       : source_(source), mesh_(std::move(mesh)), kept_(std::move(kept)) {
     surfaces_.push_back(std::move(surface));
+    if (!kept_.empty()) facts_.left_behind.push_back(counted(kept_.size(), "other attribute"));
   }
 
   Result<Encoded> write(std::span<const SurfaceResult> results, Format format,

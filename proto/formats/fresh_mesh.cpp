@@ -174,8 +174,12 @@ Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& re
                     result.attributes};
   for (const Vec3& position : parts.positions) {
     if (!position.cast<float>().allFinite()) {
-      return Error{ErrorCode::invalid_mesh,
-                   "A position is beyond single precision; scale the mesh down first."};
+      if (!result.moved) {
+        return Error{ErrorCode::invalid_mesh,
+                     "A position is beyond single precision; scale the mesh down first."};
+      }
+      return Error{ErrorCode::diverged,
+                   "A position left the range of single precision; use fewer or smaller steps."};
     }
   }
   if (format == Format::drc) return write_fresh_draco(surface, result, encoding.draco);
@@ -211,7 +215,8 @@ Result<std::vector<std::byte>> convert(const Document& document,
   return std::move(out->bytes);
 }
 
-std::vector<std::string> conversion_notes(std::span<const SurfaceResult> results, Format came,
+std::vector<std::string> conversion_notes(const Document& document,
+                                          std::span<const SurfaceResult> results, Format came,
                                           Format wanted) {
   std::vector<std::string> out;
   bool has_attributes = false;
@@ -222,12 +227,15 @@ std::vector<std::string> conversion_notes(std::span<const SurfaceResult> results
                     "for ply or glb to get it",
                     upper_name(wanted)));
   }
-  if (came != wanted && (is_shape(came) || holds_one_mesh(wanted))) {
-    out.push_back(fmt::format(
-        "written anew as {}: only positions (in the mesh's own coordinates), triangles and, where "
-        "they have a place, normals and new attributes are carried over",
-        name_of(wanted)));
+  if (came == wanted || !(is_shape(came) || holds_one_mesh(wanted))) return out;
+  std::vector<std::string> lost = document.facts().left_behind;
+  const std::vector<Surface>& surfaces = document.surfaces();
+  if (wanted == Format::stl && !surfaces.empty() && !surfaces.front().normals.empty()) {
+    lost.emplace_back("normals of vertices");
   }
+  if (lost.empty()) return out;
+  out.push_back(
+      fmt::format("written anew as {}, without {}", name_of(wanted), fmt::join(lost, ", ")));
   return out;
 }
 

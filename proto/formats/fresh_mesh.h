@@ -15,8 +15,8 @@ std::vector<std::string> property_names(const VertexAttribute& attribute);
 
 /// A new file around one surface: positions, triangles, normals if it has some, and where the
 /// format has a place for them (glb, gltf, drc, ply) attributes. PLY is binary little-endian and
-/// STL binary. Errors: invalid_mesh (a position that no float holds), unsupported_feature (values
-/// that Draco cannot store), too_large.
+/// STL binary. Errors: for a position that no float holds diverged if it moved, else invalid_mesh,
+/// unsupported_feature (values that Draco cannot store), too_large.
 Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& result, Format format,
                                  const Encoding& encoding);
 
@@ -38,9 +38,10 @@ Result<std::vector<std::byte>> convert(const Document& document,
                                        std::span<const SurfaceResult> results, Format came,
                                        Format wanted);
 
-/// Sentences for the job's notes: what a file that came as `came` loses as `wanted`, and which
-/// attributes have no place there.
-std::vector<std::string> conversion_notes(std::span<const SurfaceResult> results, Format came,
+/// Sentences for the job's notes: what `document`, which came as `came`, loses as `wanted`, and
+/// that new attributes have no place there.
+std::vector<std::string> conversion_notes(const Document& document,
+                                          std::span<const SurfaceResult> results, Format came,
                                           Format wanted);
 
 }  // namespace fairway

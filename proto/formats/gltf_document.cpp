@@ -4,6 +4,7 @@
 
 #include "proto/formats/glb.h"
 #include "proto/formats/gltf_extensions.h"
+#include "proto/formats/gltf_facts.h"
 #include "proto/formats/gltf_patch.h"
 #include "proto/formats/gltf_scene.h"
 #include "proto/formats/gltf_surfaces.h"
@@ -20,6 +21,7 @@ class GltfDocument final : public Document {
         binary_(std::move(binary)) {
     surfaces_ = std::move(surfaces.surfaces);
     notes_ = std::move(surfaces.notes);
+    facts_ = gltf_facts(json_);
   }
 
   Result<Encoded> write(std::span<const SurfaceResult> results, Format format,

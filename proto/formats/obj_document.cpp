@@ -17,15 +17,30 @@ class ObjDocument final : public ShapeDocument {
     surfaces_.push_back(std::move(obj.surface));
     obj.surface = {};
     obj_ = std::move(obj);
+    facts_.left_behind = left_behind();
   }
 
  private:
   Result<std::vector<std::byte>> patch(const SurfaceResult& result) const override;
+  std::vector<std::string> left_behind() const;
   std::vector<Vec3> sum_normals(const std::vector<Vec3>& positions) const;
   std::vector<Vec3> new_normals(const std::vector<Vec3>& positions) const;
 
   ObjSurface obj_;  ///< without the surface
 };
+
+std::vector<std::string> ObjDocument::left_behind() const {
+  std::vector<std::string> out;
+  const auto add = [&out](std::size_t count, std::string_view name) {
+    if (count > 0) out.push_back(counted(count, name));
+  };
+  add(obj_.normals.size(), "normal");
+  add(obj_.texture_coordinates, "texture coordinate");
+  add(obj_.materials, "choice of a material");
+  add(obj_.groups, "group");
+  add(obj_.polygons, "polygon of more than three corners");
+  return out;
+}
 
 /// For each line vn, the normals of the triangles whose corners name it, weighted by area.
 std::vector<Vec3> ObjDocument::sum_normals(const std::vector<Vec3>& positions) const {

@@ -121,6 +121,7 @@ Result<void> SurfaceReader::take_face(std::string_view rest) {
   if (polygon_.size() < 3) {
     return error("a face has fewer than three corners; remove such faces.");
   }
+  if (polygon_.size() > 3) ++out_.polygons;
   std::vector<Triangle> fan;
   if (auto added = add_fan(polygon_, fan); !added) return added;
   std::vector<Triangle>& triangles = out_.surface.mesh.triangles;
@@ -144,6 +145,8 @@ Result<void> SurfaceReader::take(std::string_view line) {
   if (key == "f") return take_face(line);
   // Everything else stays as it is; a library that is named is not opened.
   if (key == "vt") ++count_[kTexture];
+  if (key == "usemtl") ++out_.materials;
+  if (key == "g" || key == "o") ++out_.groups;
   return {};
 }
 
@@ -173,6 +176,7 @@ Result<ObjSurface> SurfaceReader::read() {
   surface.name = "mesh";
   surface.primitives.push_back({.count = static_cast<Index>(surface.mesh.positions.size())});
   surface.single_precision = false;
+  out_.texture_coordinates = count_[kTexture];
   return std::move(out_);
 }
 

@@ -20,6 +20,10 @@ struct ObjSurface {
   std::vector<std::string_view> normal_words;    ///< three per "vn"
   std::vector<Vec3> normals;                     ///< as they are; zero where they are no numbers
   std::vector<ObjCorner> corners;                ///< three per triangle
+  std::size_t texture_coordinates = 0;           ///< lines "vt"
+  std::size_t materials = 0;                     ///< lines "usemtl"
+  std::size_t groups = 0;                        ///< lines "g" and "o"
+  std::size_t polygons = 0;                      ///< of more than three corners
 };
 
 /// Reads the lines v, vt (counted), vn and f. Errors: those of decode_obj().

@@ -37,12 +37,14 @@ class PlyDocument final : public ShapeDocument {
     surfaces_.push_back(std::move(ply.surface));
     ply.surface = {};
     ply_ = std::move(ply);
+    facts_.left_behind = left_behind();
   }
 
  private:
   Result<std::vector<std::byte>> patch(const SurfaceResult& result) const override;
   bool holds_attributes() const override { return true; }
 
+  std::vector<std::string> left_behind() const;
   Result<VertexPlan> plan(const SurfaceResult& result) const;
   std::vector<std::byte> new_header(const VertexPlan& plan) const;
   Result<std::vector<std::byte>> patch_text(const VertexPlan& plan) const;
@@ -55,6 +57,23 @@ class PlyDocument final : public ShapeDocument {
 
   PlySurface ply_;  ///< without the surface
 };
+
+std::vector<std::string> PlyDocument::left_behind() const {
+  std::vector<std::string> out;
+  std::size_t elements = 0;
+  std::size_t of_faces = 0;
+  for (const PlyElement& element : ply_.header.elements) {
+    const bool faces = element.name == "face" || element.name == "tristrips";
+    if (faces && element.properties.size() > 1) of_faces += element.properties.size() - 1;
+    if (!faces && element.name != "vertex") ++elements;
+  }
+  const std::size_t used = ply_.normal ? 6 : 3;
+  const std::size_t of_vertices = vertex().properties.size() - used;
+  if (of_vertices > 0) out.push_back(counted(of_vertices, "other property") + " of vertices");
+  if (of_faces > 0) out.push_back(counted(of_faces, "other property") + " of faces");
+  if (elements > 0) out.push_back(counted(elements, "other element"));
+  return out;
+}
 
 Result<VertexPlan> PlyDocument::plan(const SurfaceResult& result) const {
   VertexPlan out;

@@ -41,6 +41,7 @@ std::string format_line(const WorkerOrder& order) {
   Json json = {{"input", name_of(order.input)},
                {"parameters", parameters_document(order.parameters)}};
   if (order.files > 1) json["files"] = order.files;
+  if (order.work == Work::inspect) json["work"] = "inspect";
   return dump_json(json) + "\n";
 }
 
@@ -58,7 +59,10 @@ Result<WorkerOrder> parse_worker_order(std::string_view line) {
   if (!files.is_number_unsigned() || files < 1U || files > kMaxBundleFiles) {
     return not_an_event("The order names no number of files.");
   }
-  return WorkerOrder{*input, *std::move(parameters), files.get<std::size_t>()};
+  const Json work = json->value("work", Json("denoise"));
+  if (work != "denoise" && work != "inspect") return not_an_event("The order names no work.");
+  return WorkerOrder{*input, *std::move(parameters), files.get<std::size_t>(),
+                     work == "inspect" ? Work::inspect : Work::denoise};
 }
 
 std::string format_line(const WorkerEvent& event) {

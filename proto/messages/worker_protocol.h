@@ -20,11 +20,18 @@ namespace fairway {
 /// object; any other line is log text of a library and is only logged. The last event is `Finished`
 /// or `Failed`; then the worker exits with 0 or the exit code of its problem.
 
+/// What a worker is to do with its input.
+enum class Work {
+  denoise,
+  inspect,  ///< writes no output; the report of Finished is the inspection document
+};
+
 /// The job as the worker gets it.
 struct WorkerOrder {
   Format input = Format::glb;  ///< of the mesh
   Parameters parameters;
   std::size_t files = 1;  ///< more than one: the input is a Bundle of so many files
+  Work work = Work::denoise;
 };
 
 std::string format_line(const WorkerOrder& order);
@@ -40,8 +47,8 @@ struct Progress {
 
 /// The output is complete.
 struct Finished {
-  Format output = Format::glb;
-  Json report;  ///< the job report, as in the job document
+  Format output = Format::glb;  ///< of an inspection: that of the input
+  Json report;                  ///< the job report, as in the job document; or the inspection
 };
 
 /// The job cannot be done.

@@ -32,10 +32,17 @@ struct CurvatureCommand {
 };
 Result<void> run(const CurvatureCommand& command);
 
-/// `fairway sample SHAPE OUT.glb`.
+/// `fairway inspect FILE`.
+struct InspectCommand {
+  std::string input;
+  bool json = false;  ///< print the document of proto/messages/inspection.h instead of a table
+};
+Result<void> run(const InspectCommand& command);
+
+/// `fairway sample SHAPE OUT`.
 struct SampleCommand {
   std::string shape;
-  std::string output;
+  std::string output;                ///< its extension chooses the format
   std::optional<std::string> clean;  ///< where to write the same mesh without noise
   std::uint32_t size = 0;            ///< resolution; 0 = the shape's default
   double noise = 0.2;                ///< standard deviation in mean edge lengths

@@ -29,19 +29,13 @@ Result<Parameters> read_parameters(const std::string& text) {
 
 /// The output format that parameters and file name agree on.
 Result<void> choose_output(const std::string& file_name, Parameters& parameters) {
-  const std::optional<Format> named = format_of_file_name(file_name);
-  if (!named) {
-    return Error{
-        ErrorCode::usage,
-        fmt::format("The extension of {} names no format; use .glb, .gltf, .drc, .ply, .obj or "
-                    ".stl.",
-                    file_name)};
-  }
+  const Result<Format> named = format_of_output(file_name);
+  if (!named) return named.error();
   if (parameters.output && *parameters.output != *named) {
     return Error{ErrorCode::usage, fmt::format("The parameters ask for {}, the file name for {}.",
                                                name_of(*parameters.output), name_of(*named))};
   }
-  parameters.output = named;
+  parameters.output = *named;
   return {};
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 
@@ -33,6 +34,15 @@ Result<InputFile> InputFile::map(int fd) {
 
 InputFile::~InputFile() {
   if (!bytes_.empty()) munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+}
+
+Result<Format> format_of_output(const std::string& file_name) {
+  if (const auto named = format_of_file_name(file_name)) return *named;
+  return Error{
+      ErrorCode::usage,
+      fmt::format("The extension of {} names no format; use .glb, .gltf, .drc, .ply, .obj or "
+                  ".stl.",
+                  file_name)};
 }
 
 Result<void> write_file(const std::string& path, std::span<const std::byte> bytes) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/result.h"
+#include "proto/messages/format.h"
 #include "server/os/unique_fd.h"
 
 namespace fairway {
@@ -29,6 +30,9 @@ class InputFile {
 
   std::span<const std::byte> bytes_;
 };
+
+/// The format that an output file's extension chooses. Errors: usage (it names none).
+Result<Format> format_of_output(const std::string& file_name);
 
 /// Writes a file whole or not at all, over any older one. Errors: io, storage_full.
 Result<void> write_file(const std::string& path, std::span<const std::byte> bytes);

@@ -21,6 +21,7 @@ class Tool {
     app_.set_version_flag("--version", std::string("fairway ") + FAIRWAY_VERSION);
     add_denoise();
     add_curvature();
+    add_inspect();
     add_sample();
     add_compare();
     add_worker();
@@ -81,13 +82,24 @@ class Tool {
                   curvature_);
   }
 
+  void add_inspect() {
+    CLI::App* verb = app_.add_subcommand(
+        "inspect", "Tell what a file holds and what a run would meet; changes nothing");
+    verb->add_option("FILE", inspect_.input,
+                     "GLB, glTF (with the files beside it), Draco, PLY, OBJ or STL file")
+        ->required();
+    verb->add_flag("--json", inspect_.json, "Print a JSON document instead of a table");
+    verb->callback(choose(inspect_));
+  }
+
   void add_sample() {
     CLI::App* verb = app_.add_subcommand("sample", "Make a noisy mesh to try things on");
     verb->add_option("SHAPE", sample_.shape, "ring, sphere, octahedron, torus or sheet")
         ->required();
-    verb->add_option("OUT", sample_.output, "GLB file to write")->required();
-    verb->add_option("--clean", sample_.clean,
-                     "Also write the mesh without noise to this GLB file");
+    verb->add_option("OUT", sample_.output,
+                     "File to write; the extension chooses .glb, .gltf, .drc, .ply, .obj or .stl")
+        ->required();
+    verb->add_option("--clean", sample_.clean, "Also write the mesh without noise to this file");
     verb->add_option("--size", sample_.size, "Resolution; every shape has a default");
     verb->add_option("--noise", sample_.noise, "Standard deviation in mean edge lengths")
         ->check(CLI::Range(0.0, 10.0))
@@ -114,6 +126,7 @@ class Tool {
   CLI::App app_{"fairway: mesh denoising by anisotropic curvature flows", "fairway"};
   DenoiseCommand denoise_;
   CurvatureCommand curvature_;
+  InspectCommand inspect_;
   SampleCommand sample_;
   CompareCommand compare_;
   WorkerCommand worker_;

@@ -9,7 +9,7 @@
 
 #include "core/shapes.h"
 #include "proto/formats/document.h"
-#include "proto/formats/fresh_gltf.h"
+#include "proto/formats/fresh_mesh.h"
 #include "server/fairway/commands.h"
 #include "server/fairway/input_file.h"
 #include "server/fairway/side_folder.h"
@@ -46,13 +46,13 @@ Result<IndexedMesh> make_shape(const SampleCommand& command) {
 }
 
 Result<void> write_mesh(const std::string& path, const IndexedMesh& mesh) {
-  if (format_of_file_name(path) != Format::glb) {
-    return Error{ErrorCode::usage, "A sample is written as .glb; name the output so."};
-  }
-  const FreshMesh fresh{mesh.triangles, {{"POSITION", pack_vectors(mesh.positions)}}};
-  const Result<std::vector<std::byte>> bytes = write_fresh_gltf(fresh, Format::glb);
-  if (!bytes) return bytes.error();
-  return write_file(path, *bytes);
+  const Result<Format> format = format_of_output(path);
+  if (!format) return format.error();
+  Surface surface;
+  surface.mesh = mesh;
+  const Result<Encoded> file = write_fresh_mesh(surface, {}, *format, {});
+  if (!file) return file.error();
+  return write_file(path, file->bytes);
 }
 
 /// All surfaces of a file as one triangle list.

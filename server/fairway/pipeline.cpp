@@ -221,7 +221,7 @@ Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format for
       denoise_all(**document, parameters, progress, stop, out.report);
   if (!results) return results.error();
   progress.stage("encode", 1.0);
-  for (std::string& note : conversion_notes(*results, format, out.format)) {
+  for (std::string& note : conversion_notes(**document, *results, format, out.format)) {
     out.report.notes.push_back(std::move(note));
   }
   Result<Encoded> encoded =

@@ -1,9 +1,12 @@
 // `fairway worker`: one job of fairwayd. Untrusted bytes are parsed in this process only, under the
 // limits it sets for itself before it looks at the first of them.
 
+#include <functional>
 #include <new>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <signal.h>
@@ -17,6 +20,7 @@
 #include "server/fairway/bundled_files.h"
 #include "server/fairway/commands.h"
 #include "server/fairway/input_file.h"
+#include "server/fairway/inspect.h"
 #include "server/fairway/pipeline.h"
 #include "server/os/file.h"
 #include "server/os/line_reader.h"
@@ -71,25 +75,47 @@ Result<WorkerOrder> receive_order() {
   }
 }
 
-Result<PipelineOutput> run_bundle(const WorkerOrder& order, std::span<const std::byte> input,
-                                  const ProgressObserver& observer) {
+/// What an order came to; an inspection writes nothing.
+struct Outcome {
+  std::vector<std::byte> bytes;
+  Format format;
+  Json report;
+};
+
+/// `notes`: those about the files of the upload, once all that is asked for has been.
+Result<Outcome> run_on(std::span<const std::byte> mesh, const WorkerOrder& order,
+                       const SideFiles& side_files,
+                       const std::function<std::vector<std::string>()>& notes) {
+  const ProgressObserver observer = [](const Progress& progress) { send(progress); };
+  const auto append = [&notes](std::vector<std::string>& to) {
+    for (std::string& note : notes()) to.push_back(std::move(note));
+  };
+  if (order.work == Work::inspect) {
+    Result<Inspection> found = inspect(mesh, order.input, observer, side_files);
+    if (!found) return found.error();
+    append(found->notes);
+    return Outcome{{}, order.input, inspection_document(*found)};
+  }
+  Result<PipelineOutput> output =
+      run_pipeline(mesh, order.input, order.parameters, observer, {}, side_files);
+  if (!output) return output.error();
+  append(output->report.notes);
+  return Outcome{std::move(output->bytes), output->format, report_document(output->report)};
+}
+
+Result<Outcome> run_bundle(const WorkerOrder& order, std::span<const std::byte> input) {
   Result<Bundle> bundle = Bundle::parse(input);
   if (!bundle) return Error{ErrorCode::internal, bundle.error().message};
   if (bundle->files().size() != order.files) {
     return Error{ErrorCode::internal, "The stored upload has another number of files."};
   }
   BundledFiles files(*std::move(bundle));
-  Result<PipelineOutput> output =
-      run_pipeline(files.mesh(), order.input, order.parameters, observer, {}, files.provider());
-  if (!output) return output;
-  for (std::string& note : files.notes()) output->report.notes.push_back(std::move(note));
-  return output;
+  return run_on(files.mesh(), order, files.provider(), [&files] { return files.notes(); });
 }
 
-Result<PipelineOutput> run_order(const WorkerOrder& order, std::span<const std::byte> input) {
-  const ProgressObserver observer = [](const Progress& progress) { send(progress); };
-  if (order.files > 1) return run_bundle(order, input, observer);
-  return run_pipeline(input, order.input, order.parameters, observer, {});
+Result<Outcome> run_order(const WorkerOrder& order, std::span<const std::byte> input) {
+  if (order.files > 1) return run_bundle(order, input);
+  return run_on(input, order, {}, [] { return std::vector<std::string>(); });
 }
 
 Result<void> work(const WorkerCommand& command) {
@@ -99,10 +125,10 @@ Result<void> work(const WorkerCommand& command) {
   const Result<InputFile> input = InputFile::map(kInput);
   if (!input) return input.error();
   prepare_heap(heap_estimate(input->bytes().size()));
-  Result<PipelineOutput> output = run_order(*order, input->bytes());
-  if (!output) return output.error();
-  if (Result<void> written = write_all(kOutput, output->bytes); !written) return written;
-  send(Finished{output->format, report_document(output->report)});
+  Result<Outcome> outcome = run_order(*order, input->bytes());
+  if (!outcome) return outcome.error();
+  if (Result<void> written = write_all(kOutput, outcome->bytes); !written) return written;
+  send(Finished{outcome->format, std::move(outcome->report)});
   return {};
 }
 

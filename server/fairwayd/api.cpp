@@ -16,14 +16,6 @@ constexpr std::size_t kMaxListed = 200;
 /// How often a waiting request looks whether its client is still there.
 constexpr std::chrono::milliseconds kLookForClient{200};
 
-HttpResponse json_response(const Json& json, int status = 200) {
-  HttpResponse response;
-  response.status = status;
-  response.content_type = "application/json";
-  response.body = dump_json(json) + "\n";
-  return response;
-}
-
 /// An error as a client may see it: what the system says about files and paths stays in the log.
 Error public_error(const Error& error) {
   switch (error.code) {
@@ -69,13 +61,14 @@ Api::Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervis
       stop_(std::move(stop)) {}
 
 std::vector<std::string> Api::upload_paths() const {
-  return {"/v1/jobs", "/v1/denoise"};
+  return {"/v1/jobs", "/v1/denoise", "/v1/inspect"};
 }
 
 bool Api::is_upload(const HttpRequest& request) const {
   const auto route = route_of(request.path);
   return route && request.method == "POST" &&
-         (route->place == Place::jobs || route->place == Place::denoise);
+         (route->place == Place::jobs || route->place == Place::denoise ||
+          route->place == Place::inspect);
 }
 
 HttpResponse Api::answer(const HttpRequest& request, BodySource& body) {
@@ -107,6 +100,8 @@ HttpResponse Api::answer_place(const Route& route, const HttpRequest& request, B
       return cancel_job(route.job_id);
     case Place::denoise:
       return denoise(request, body);
+    case Place::inspect:
+      return inspect(request, body);
   }
   return problem_response({ErrorCode::internal, "A place without an answer."});
 }
@@ -176,16 +171,22 @@ HttpResponse Api::delete_job(const std::string& id) {
   return job_response(*job, 200);
 }
 
+/// Jobs and inspections wait in one queue.
+Result<void> Api::check_queue() {
+  const auto queued = jobs_.queue_length();
+  if (!queued) return queued.error();
+  if (*queued + supervisor_.waiting_inspections() >= options_.queue_limit) {
+    return Error{ErrorCode::queue_full, "The queue is full: try again later."};
+  }
+  return {};
+}
+
 /// Order is the promise of a 202: the input is durable, then the row is committed.
 Result<Job> Api::submit(const HttpRequest& request, BodySource& body) {
   if (auto checked = check_upload(request, options_.max_mesh_bytes); !checked) {
     return checked.error();
   }
-  const auto queued = jobs_.queue_length();
-  if (!queued) return queued.error();
-  if (*queued >= options_.queue_limit) {
-    return Error{ErrorCode::queue_full, "The queue is full: try again later."};
-  }
+  if (auto room = check_queue(); !room) return room.error();
   auto upload = receive_upload(request, body, blobs_, options_.max_mesh_bytes);
   if (!upload) return upload.error();
   const std::string id = random_id();

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "server/fairwayd/blob_store.h"
 #include "server/fairwayd/http_engine.h"
 #include "server/fairwayd/http_message.h"
+#include "server/fairwayd/inspection_task.h"
 #include "server/fairwayd/job_board.h"
 #include "server/fairwayd/job_store.h"
 #include "server/fairwayd/log.h"
@@ -25,7 +27,8 @@ struct ApiOptions {
 /// The HTTP API over the stores. Knows no socket and no process.
 class Api final : public HttpApplication {
  public:
-  /// All references must outlive it; `stop` ends the waits of POST /v1/denoise.
+  /// All references must outlive it; `stop` ends the waits of POST /v1/denoise
+  /// and POST /v1/inspect.
   Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor, const Log& log,
       const ApiOptions& options, std::stop_token stop);
 
@@ -37,12 +40,15 @@ class Api final : public HttpApplication {
   HttpResponse answer_place(const Route& route, const HttpRequest& request, BodySource& body);
   HttpResponse submit_job(const HttpRequest& request, BodySource& body);
   HttpResponse denoise(const HttpRequest& request, BodySource& body);
+  HttpResponse inspect(const HttpRequest& request, BodySource& body);
   HttpResponse list_jobs(const HttpRequest& request);
   HttpResponse show_job(const std::string& id);
   HttpResponse show_result(const std::string& id);
   HttpResponse cancel_job(const std::string& id);
   HttpResponse delete_job(const std::string& id);
 
+  Result<void> check_queue();
+  Result<std::shared_ptr<InspectionTask>> line_up(const HttpRequest& request, BodySource& body);
   Result<Job> submit(const HttpRequest& request, BodySource& body);
   Result<Job> cancel(const std::string& id);
   HttpResponse wait_for_result(const Job& submitted, const HttpRequest& request);

@@ -6,6 +6,14 @@
 
 namespace fairway {
 
+HttpResponse json_response(const Json& json, int status) {
+  HttpResponse response;
+  response.status = status;
+  response.content_type = "application/json";
+  response.body = dump_json(json) + "\n";
+  return response;
+}
+
 HttpResponse problem_response(const Error& error) {
   HttpResponse response;
   response.status = problem_kind(error.code).status;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "proto/messages/json.h"
 #include "server/os/unique_fd.h"
 
 namespace fairway {
@@ -70,6 +71,9 @@ class BodySource {
   /// Errors: as read(), bad_request (not multipart).
   virtual Result<void> read_parts(const OnPart& on_part, const OnBytes& on_bytes) = 0;
 };
+
+/// A JSON document as an answer.
+HttpResponse json_response(const Json& json, int status = 200);
 
 /// The problem document of an error as an answer.
 HttpResponse problem_response(const Error& error);

@@ -8,6 +8,7 @@ std::optional<Route> route_of(std::string_view path) {
   constexpr std::string_view kJobs = "/v1/jobs";
   if (path == "/livez") return Route{Place::livez, {}};
   if (path == "/v1/denoise") return Route{Place::denoise, {}};
+  if (path == "/v1/inspect") return Route{Place::inspect, {}};
   if (path == kJobs) return Route{Place::jobs, {}};
   if (!path.starts_with(kJobs) || path.at(kJobs.size()) != '/') return std::nullopt;
   const std::string_view rest = path.substr(kJobs.size() + 1);
@@ -31,6 +32,7 @@ std::string_view allowed_methods(Place place) {
       return "GET, HEAD, DELETE";
     case Place::job_cancel:
     case Place::denoise:
+    case Place::inspect:
       return "POST";
   }
   return "";

@@ -14,6 +14,7 @@ enum class Place {
   job_result,  ///< /v1/jobs/{id}/result
   job_cancel,  ///< /v1/jobs/{id}/cancel
   denoise,     ///< /v1/denoise
+  inspect,     ///< /v1/inspect
 };
 
 struct Route {

@@ -80,8 +80,45 @@ void Supervisor::interrupt(std::string_view job_id) {
   }
 }
 
+Result<void> Supervisor::inspect(std::shared_ptr<InspectionTask> task, std::size_t places) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (inspections_.size() >= places) {
+      return Error{ErrorCode::queue_full, "The queue is full: try again later."};
+    }
+    inspections_.push_back(std::move(task));
+  }
+  work_.notify_one();
+  return {};
+}
+
+void Supervisor::withdraw(const std::shared_ptr<InspectionTask>& task) {
+  task->abandon();
+  const std::lock_guard lock(mutex_);
+  std::erase(inspections_, task);
+}
+
+std::size_t Supervisor::waiting_inspections() {
+  const std::lock_guard lock(mutex_);
+  return inspections_.size();
+}
+
+/// The oldest one, if there is any.
+void Supervisor::serve_inspection(Slot& slot, const std::stop_token& stop) {
+  std::shared_ptr<InspectionTask> task;
+  {
+    const std::lock_guard lock(mutex_);
+    if (inspections_.empty()) return;
+    task = std::move(inspections_.front());
+    inspections_.pop_front();
+  }
+  run_inspection(*task, {options_.worker, options_.limits, slot.interrupt, log_}, stop);
+}
+
 void Supervisor::serve(Slot& slot, std::stop_token stop) {
   while (!stop.stop_requested()) {
+    serve_inspection(slot, stop);
+    if (stop.stop_requested()) break;
     auto claim = jobs_.claim(options_.owner, options_.lease);
     if (!claim) {
       log_.write(LogLevel::error, "claim_failed", {{"reason", claim.error().message}});
@@ -90,7 +127,7 @@ void Supervisor::serve(Slot& slot, std::stop_token stop) {
       run(slot, **claim, stop);
     } else {
       std::unique_lock lock(mutex_);
-      work_.wait_for(lock, stop, kLookEvery, [&] { return wakeups_ > 0; });
+      work_.wait_for(lock, stop, kLookEvery, [&] { return wakeups_ > 0 || !inspections_.empty(); });
       if (wakeups_ > 0) --wakeups_;
     }
   }

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "server/fairwayd/blob_store.h"
+#include "server/fairwayd/inspection_task.h"
 #include "server/fairwayd/job_board.h"
 #include "server/fairwayd/job_store.h"
 #include "server/fairwayd/log.h"
@@ -30,8 +32,9 @@ struct SupervisorOptions {
   std::chrono::milliseconds heartbeat{10000};
 };
 
-/// Runs the jobs of the store, at most `slots` at a time, each in a worker process of its own. One
-/// thread per slot: claim, run, put the result into the blob store, commit the state last.
+/// Runs the jobs of the store and inspections, at most `slots` at a time, each in a worker process
+/// of its own. One thread per slot: claim, run, put the result into the blob store, commit the
+/// state last. A slot takes inspections, which are short and waited for, and jobs in turns.
 class Supervisor {
  public:
   /// All references must outlive the supervisor.
@@ -49,6 +52,14 @@ class Supervisor {
   /// There may be work: a slot looks at once instead of within a second.
   void wake();
 
+  /// Puts an inspection in line, where fewer than `places` stand. Where the supervisor stops first,
+  /// it is never answered. Errors: queue_full.
+  Result<void> inspect(std::shared_ptr<InspectionTask> task, std::size_t places);
+  /// Nobody waits for it any more: it leaves the line, or its worker is killed within a second.
+  void withdraw(const std::shared_ptr<InspectionTask>& task);
+  /// How many inspections no slot has begun.
+  std::size_t waiting_inspections();
+
   /// The job was canceled in the store: if it runs here, its worker is killed at once (elsewhere
   /// the next heartbeat tells).
   void interrupt(std::string_view job_id);
@@ -65,6 +76,7 @@ class Supervisor {
   };
 
   void serve(Slot& slot, std::stop_token stop);
+  void serve_inspection(Slot& slot, const std::stop_token& stop);
   void run(Slot& slot, const Claim& claim, std::stop_token stop);
   void execute(Slot& slot, const Claim& claim, std::stop_token stop);
   Result<WorkerEnd> run_process(Slot& slot, const Claim& claim, BlobDraft& output,
@@ -88,6 +100,7 @@ class Supervisor {
   std::mutex mutex_;
   std::condition_variable_any work_;
   std::size_t wakeups_ = 0;  ///< guarded by mutex_; one slot looks for work for each
+  std::deque<std::shared_ptr<InspectionTask>> inspections_;  ///< guarded by mutex_; oldest first
 
   std::vector<std::unique_ptr<Slot>> slots_;  ///< changed by start() and stop() only
 };

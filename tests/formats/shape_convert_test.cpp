@@ -76,15 +76,67 @@ TEST_CASE("a Draco mesh and a moved glTF become PLY with normals and curvature")
 TEST_CASE("what a format has no place for is said") {
   const auto document = decoded(cube_sample().glb());
   auto results = unmoved(*document);
-  CHECK(conversion_notes(results, Format::glb, Format::glb).empty());
-  CHECK(conversion_notes(results, Format::stl, Format::stl).empty());
+  CHECK(conversion_notes(*document, results, Format::glb, Format::glb).empty());
+  CHECK(conversion_notes(*document, results, Format::stl, Format::stl).empty());
   add_ramp(*document, "_CURVATURE_K2", 1, results);
-  CHECK(conversion_notes(results, Format::ply, Format::ply).empty());
-  CHECK(conversion_notes(results, Format::drc, Format::drc).empty());
-  CHECK(conversion_notes(results, Format::drc, Format::glb).empty());
-  CHECK(conversion_notes(results, Format::glb, Format::drc).size() == 1);
-  CHECK(conversion_notes(results, Format::obj, Format::obj).size() == 1);
-  CHECK(conversion_notes(results, Format::glb, Format::stl).size() == 2);
+  CHECK(conversion_notes(*document, results, Format::ply, Format::ply).empty());
+  CHECK(conversion_notes(*document, results, Format::drc, Format::drc).empty());
+  CHECK(conversion_notes(*document, results, Format::drc, Format::glb).empty());
+  CHECK(conversion_notes(*document, results, Format::obj, Format::obj).size() == 1);
+  CHECK(conversion_notes(*document, results, Format::glb, Format::stl).size() >= 1);
+}
+
+TEST_CASE("the note of a conversion lists what this file loses, and only that") {
+  const auto note = [](const Decoded& document, Format came, Format wanted) {
+    const auto notes = conversion_notes(*document, unmoved(*document), came, wanted);
+    CHECK(notes.size() <= 1);
+    return notes.empty() ? std::string() : notes.front();
+  };
+  SampleGlb scene = cube_sample();
+  for (const char* key : {"materials", "textures", "images", "samplers"}) scene.json.erase(key);
+  scene.json["nodes"] = Json::array({{{"mesh", 0}}});
+  Json& primitive = scene.json["meshes"][0]["primitives"][0];
+  const Json position = primitive["attributes"]["POSITION"];
+  primitive["attributes"] = {{"POSITION", position}};
+  primitive.erase("material");
+  CHECK(note(decoded(scene.glb()), Format::glb, Format::ply).empty());
+  scene.json["nodes"][0]["scale"] = {2, 2, 2};
+  scene.json["materials"] = Json::array({Json::object(), Json::object()});
+  CHECK(note(decoded(scene.glb()), Format::glb, Format::ply) ==
+        "written anew as ply, without 2 materials, transformations of nodes");
+
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  CHECK(note(decoded(text_bytes(corners + "f 1 2 3\nf 1 3 4\n"), Format::obj), Format::obj,
+             Format::glb)
+            .empty());
+  CHECK(
+      note(decoded(text_bytes(corners + "vt 0 0\ng a\nusemtl b\nf 1/1 2/1 3/1 4/1\n"), Format::obj),
+           Format::obj, Format::glb) ==
+      "written anew as glb, without 1 texture coordinate, 1 choice of a material, 1 group, 1 "
+      "polygon of more than three corners");
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nproperty uchar red\nproperty uchar blue\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "0 0 0 1 1\n1 0 0 1 1\n0 1 0 1 1\n3 0 1 2\n";
+  CHECK(note(decoded(text_bytes(ply), Format::ply), Format::ply, Format::stl) ==
+        "written anew as stl, without 2 other properties of vertices");
+}
+
+TEST_CASE("a position that no float holds diverged if it moved, and is a bad mesh if it did not") {
+  const auto document =
+      decoded(text_bytes("v 1e300 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Format::obj);
+  const Surface& surface = document->surfaces().front();
+  const auto refused = [&](const SurfaceResult& result) {
+    const auto out = write_fresh_mesh(surface, result, Format::ply, {});
+    REQUIRE_FALSE(out);
+    return out.error().code;
+  };
+  CHECK(refused({}) == ErrorCode::invalid_mesh);
+  SurfaceResult moved;
+  moved.moved = true;
+  moved.positions = surface.mesh.positions;
+  CHECK(refused(moved) == ErrorCode::diverged);
 }
 
 TEST_CASE("several meshes do not become one silently") {

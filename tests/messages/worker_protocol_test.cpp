@@ -39,6 +39,16 @@ TEST_CASE("an order says how many files its input has, where there are several")
   }
 }
 
+TEST_CASE("an order says where its input is only inspected") {
+  WorkerOrder order{Format::ply, *parse_parameters("{}")};
+  CHECK(parse_worker_order(without_newline(format_line(order)))->work == Work::denoise);
+  order.work = Work::inspect;
+  std::string line = without_newline(format_line(order));
+  CHECK(parse_worker_order(line)->work == Work::inspect);
+  line.replace(line.rfind("inspect"), 7, "explode");
+  CHECK_FALSE(parse_worker_order(line));
+}
+
 TEST_CASE("events survive the wire") {
   const auto round_trip = [](const WorkerEvent& event) {
     Result<WorkerEvent> back = parse_worker_event(without_newline(format_line(event)));

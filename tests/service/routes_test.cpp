@@ -19,6 +19,7 @@ TEST_CASE("the paths of the API lead to their places") {
   CHECK(place("/livez") == Place::livez);
   CHECK(place("/v1/jobs") == Place::jobs);
   CHECK(place("/v1/denoise") == Place::denoise);
+  CHECK(place("/v1/inspect") == Place::inspect);
   CHECK(place("/v1/jobs/" + id) == Place::job);
   CHECK(place("/v1/jobs/" + id + "/result") == Place::job_result);
   CHECK(place("/v1/jobs/" + id + "/cancel") == Place::job_cancel);
@@ -50,4 +51,6 @@ TEST_CASE("a method is allowed exactly where it is listed") {
   CHECK_FALSE(is_allowed(Place::jobs, "GE"));
   CHECK_FALSE(is_allowed(Place::livez, ""));
   CHECK(is_allowed(Place::job, "DELETE"));
+  CHECK(is_allowed(Place::inspect, "POST"));
+  CHECK_FALSE(is_allowed(Place::inspect, "GET"));
 }

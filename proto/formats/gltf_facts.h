@@ -1,0 +1,11 @@
+#pragma once
+
+#include "proto/formats/document.h"
+#include "proto/messages/json.h"
+
+namespace fairway {
+
+/// The facts of a glTF document that has been read without an error.
+FileFacts gltf_facts(const Json& root);
+
+}  // namespace fairway
