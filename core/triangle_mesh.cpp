@@ -19,6 +19,20 @@ namespace {
 // Beyond this, areas and their squares leave the range in which float32 attributes stay finite.
 constexpr double kLargestCoordinate = 1e18;
 
+Result<void> check_source(const IndexedMesh& source) {
+  if (source.triangles.empty()) {
+    return Error{ErrorCode::no_triangles, "The mesh has no triangles; send a triangle mesh."};
+  }
+  for (const Vec3& p : source.positions) {
+    // Coordinate by coordinate: a maximum may lose a NaN.
+    if (!(p.array().abs() <= kLargestCoordinate).all()) {
+      return Error{ErrorCode::invalid_mesh,
+                   "A coordinate is not a number or beyond 1e18; scale the mesh down."};
+    }
+  }
+  return {};
+}
+
 /// The triangles that can be computed with, over places: those with three distinct ones.
 std::vector<Triangle> proper_triangles(const std::vector<Triangle>& triangles,
                                        const std::vector<Index>& place, SurfaceCounts& counts) {
@@ -203,20 +217,19 @@ bool TriangleMesh::all_faces_flat() const {
 }
 
 Result<TriangleMesh> TriangleMesh::build(const IndexedMesh& source) {
-  if (source.triangles.empty()) {
-    return Error{ErrorCode::no_triangles, "The mesh has no triangles; send a triangle mesh."};
-  }
-  for (const Vec3& p : source.positions) {
-    // Coordinate by coordinate: a maximum may lose a NaN.
-    if (!(p.array().abs() <= kLargestCoordinate).all()) {
-      return Error{ErrorCode::invalid_mesh,
-                   "A coordinate is not a number or beyond 1e18; scale the mesh down."};
-    }
-  }
+  if (auto done = check_source(source); !done) return done.error();
+  return build_welded(source, weld_equal_positions(source.positions));
+}
+
+Result<TriangleMesh> TriangleMesh::build(const IndexedMesh& source, Weld weld) {
+  if (auto done = check_source(source); !done) return done.error();
+  return build_welded(source, std::move(weld));
+}
+
+Result<TriangleMesh> TriangleMesh::build_welded(const IndexedMesh& source, Weld weld) {
   TriangleMesh mesh;
   mesh.counts_.source_vertices = source.positions.size();
   mesh.counts_.source_triangles = source.triangles.size();
-  Weld weld = weld_equal_positions(source.positions);
   std::vector<Triangle> faces = proper_triangles(source.triangles, weld.place, mesh.counts_);
   if (faces.empty()) {
     return Error{ErrorCode::invalid_mesh,

@@ -9,6 +9,7 @@
 #include "core/edge_topology.h"
 #include "core/mesh.h"
 #include "core/result.h"
+#include "core/weld.h"
 
 namespace fairway {
 
@@ -16,26 +17,30 @@ namespace fairway {
 struct SurfaceCounts {
   std::size_t source_vertices = 0;
   std::size_t source_triangles = 0;
-  std::size_t welded = 0;                ///< source vertices merged into another at their position
+  std::size_t welded = 0;                ///< source vertices merged into another at their place
   std::size_t isolated = 0;              ///< source vertices that no usable triangle uses
-  std::size_t degenerate_triangles = 0;  ///< fewer than three distinct positions
-  std::size_t duplicate_triangles = 0;   ///< same three positions as an earlier one
+  std::size_t degenerate_triangles = 0;  ///< fewer than three distinct places
+  std::size_t duplicate_triangles = 0;   ///< same three places as an earlier one
   std::size_t split = 0;                 ///< copies made to part non-manifold fans
   std::size_t boundary_edges = 0;        ///< after splitting
 };
 
 /// An oriented surface for computing: vertices at distinct places joined by edges with at most two
 /// faces of opposite direction, every vertex star one fan. Built from any IndexedMesh:
-/// equal positions are welded, degenerate and duplicate triangles left out, corners joined only
-/// across edges with exactly two oppositely directed faces (non-manifold fans become copies).
-/// Once it exists, the mathematics on it is total. Immutable; vertices keep the order of their
-/// first appearance in the source, except in a large mesh that comes in no order: that one's follow
-/// a Morton curve. May be read by several threads.
+/// equal positions are welded (unless build() is told otherwise), degenerate and duplicate
+/// triangles left out, corners joined only across edges with exactly two oppositely directed faces
+/// (non-manifold fans become copies). Once it exists, the mathematics on it is total. Immutable;
+/// vertices keep the order of their first appearance in the source, except in a large mesh that
+/// comes in no order: that one's follow a Morton curve. May be read by several threads.
 class TriangleMesh {
  public:
   /// Errors: no_triangles (no triangle with three distinct positions), invalid_mesh (all faces
   /// collinear or a coordinate beyond ±1e18).
   static Result<TriangleMesh> build(const IndexedMesh& source);
+  /// The same with given places: `weld` has a class for each source vertex, numbered by first
+  /// appearance, of vertices at equal positions each. What is not in one class stays apart: shells
+  /// that touch, and cracks.
+  static Result<TriangleMesh> build(const IndexedMesh& source, Weld weld);
 
   std::size_t vertex_count() const { return positions_.size(); }
   /// Positions relative to origin(), so that a mesh far away loses no digits.
@@ -60,7 +65,8 @@ class TriangleMesh {
 
   const SurfaceCounts& counts() const { return counts_; }
 
-  /// For each source vertex the place (weld class) it belongs to, equal for equal positions.
+  /// For each source vertex the place (weld class) it belongs to: unless build() was given others,
+  /// equal for equal positions.
   const std::vector<Index>& place_of_source() const { return place_of_source_; }
 
   /// For each surface vertex its place, ascending: the copies of a place follow one another.
@@ -86,6 +92,7 @@ class TriangleMesh {
                         std::size_t place_count);
   void make_all_fans(const CornerTable& corners, const std::vector<Triangle>& place_faces,
                      std::size_t place_count);
+  static Result<TriangleMesh> build_welded(const IndexedMesh& source, Weld weld);
   void walk_fan(const CornerTable& corners, Index start);
   Index walk_once(const CornerTable& corners, Index start, Index vertex);
   void map_back(const IndexedMesh& source, std::size_t place_count);

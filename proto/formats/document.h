@@ -11,6 +11,7 @@
 #include "core/mesh.h"
 #include "core/result.h"
 #include "proto/formats/side_files.h"
+#include "proto/formats/vertex_colors.h"
 #include "proto/messages/encoding.h"
 #include "proto/messages/format.h"
 
@@ -23,6 +24,13 @@ struct PrimitiveVertices {
   std::optional<std::size_t> draco_view = {};  ///< that the accessor's elements are decoded from
   Index first = 0;                             ///< vertex of the surface that is element 0
   Index count = 0;
+  bool has_colors = false;  ///< COLOR_0 and what corresponds to it
+};
+
+/// The uniform scale at which a mesh stands in its scene, 1 where there is no scene.
+struct WorldScale {
+  double value = 1.0;         ///< > 0
+  std::string_view why_none;  ///< why there is no such scale; "" where there is
 };
 
 /// One surface of a document in its local space: the mesh of a file without a scene (Draco, PLY,
@@ -36,6 +44,7 @@ struct Surface {
   /// Old normals, one per vertex, zero where the file has none; empty if it has none at all.
   std::vector<Vec3> normals;
   bool single_precision = true;  ///< the file holds positions as floats
+  WorldScale world_scale;
 };
 
 /// A per-vertex attribute to add. `values` has `components` floats (1 or 3) per vertex, all finite.
@@ -51,6 +60,11 @@ struct SurfaceResult {
   std::vector<Vec3> positions;  ///< one per vertex of Surface::mesh, if moved
   std::vector<Vec3> normals;    ///< the same, if moved and the surface has normals
   std::vector<VertexAttribute> attributes;
+  std::optional<VertexColors> colors = {};
+  bool untouched = false;  ///< nothing of the surface is written, whatever the encoding
+
+  /// Whether vertices with or without colours in the file get the new ones.
+  bool colors_vertices(bool has_colors) const { return colors && (colors->replace || !has_colors); }
 };
 
 /// A written file.
@@ -72,6 +86,12 @@ struct FileFacts {
   std::vector<std::string> untouched;
 };
 
+/// What a client can name in the scene of a glTF.
+struct SceneOutline {
+  std::size_t meshes = 0;
+  std::vector<std::optional<std::size_t>> mesh_of_node;  ///< one per node
+};
+
 /// A decoded file: its surfaces, and all that is needed to write it back with nothing else changed.
 class Document {
  public:
@@ -82,6 +102,8 @@ class Document {
   const std::vector<std::string>& notes() const { return notes_; }
 
   const FileFacts& facts() const { return facts_; }
+  /// Nothing for a file without a scene.
+  const std::optional<SceneOutline>& scene() const { return scene_; }
 
   /// The file with `results` (one per surface, in order) in place, as `format`.
   /// Errors: unsupported_feature (a format this document cannot become), too_large.
@@ -96,6 +118,7 @@ class Document {
   std::vector<Surface> surfaces_;
   std::vector<std::string> notes_;
   FileFacts facts_;
+  std::optional<SceneOutline> scene_;
 };
 
 /// Decodes untrusted bytes; every count is checked before it is believed. `bytes` must outlive the

@@ -19,6 +19,7 @@ namespace {
 
 /// Longest name of an attribute that is taken over into a glTF.
 constexpr std::size_t kLongestName = 64;
+constexpr const char* kColors = "COLOR_0";
 
 std::vector<Vec3> to_vectors(const std::vector<double>& values) {
   std::vector<Vec3> out;
@@ -91,7 +92,9 @@ Result<DracoPart> DracoDocument::kept_part(const DracoAttribute& attribute,
 
 Result<Encoded> DracoDocument::write_draco(const SurfaceResult& result,
                                            const DracoOptions& options) const {
-  if (!result.moved && result.attributes.empty()) {
+  const DracoAttribute* old_color = mesh_.find(DracoKind::color);
+  const bool colors = result.colors_vertices(old_color != nullptr);
+  if (result.untouched || (!result.moved && result.attributes.empty() && !colors)) {
     return Encoded{{source_.begin(), source_.end()}, {}};
   }
   const Surface& surface = surfaces_.front();
@@ -108,7 +111,7 @@ Result<Encoded> DracoDocument::write_draco(const SurfaceResult& result,
     source.parts.back().unique_id = id_of(DracoKind::normal);
   }
   for (const auto& [attribute, name] : kept_) {
-    if (replaces(result, attribute->name)) continue;
+    if (replaces(result, attribute->name) || (colors && attribute == old_color)) continue;
     auto part = kept_part(*attribute, options);
     if (!part) return part.error();
     source.parts.push_back(*std::move(part));
@@ -116,6 +119,10 @@ Result<Encoded> DracoDocument::write_draco(const SurfaceResult& result,
   for (std::size_t i = 0; i < result.attributes.size(); ++i) {
     source.parts.push_back(
         attribute_part(result.attributes[i], grids.attributes[i], 0, source.points));
+  }
+  if (colors) {
+    source.parts.push_back(color_part(*result.colors));
+    source.parts.back().unique_id = id_of(DracoKind::color);
   }
   auto stream =
       encode_draco(source, options.level, options.keep_order ? DracoOrder::kept : DracoOrder::free);
@@ -143,6 +150,9 @@ Packing packing_of(const DracoAttribute& attribute) {
 Result<Encoded> DracoDocument::write_gltf(const SurfaceResult& result, Format format,
                                           Encoding encoding) const {
   const Surface& surface = surfaces_.front();
+  const bool has_colors = std::any_of(
+      kept_.begin(), kept_.end(), [](const KeptAttribute& kept) { return kept.name == kColors; });
+  const bool colors = result.colors_vertices(has_colors);
   FreshMesh mesh;
   std::vector<std::string> notes;
   mesh.triangles = surface.mesh.triangles;
@@ -157,7 +167,7 @@ Result<Encoded> DracoDocument::write_gltf(const SurfaceResult& result, Format fo
       notes.push_back(fmt::format("Draco attribute {} has no place in glTF and is left out",
                                   attribute->unique_id));
     }
-    if (name.empty() || replaces(result, name)) continue;
+    if (name.empty() || replaces(result, name) || (colors && name == kColors)) continue;
     const auto values = mesh_.values(*attribute);
     if (!values) return values.error();
     mesh.attributes.push_back({name, pack_values(*values, packing_of(*attribute))});
@@ -166,6 +176,7 @@ Result<Encoded> DracoDocument::write_gltf(const SurfaceResult& result, Format fo
     mesh.attributes.push_back(
         {attribute.name, pack_floats(attribute.values, attribute.components)});
   }
+  if (colors) mesh.attributes.push_back({kColors, pack_linear_colors(result.colors->values)});
   // It came as Draco.
   if (encoding.compression == Compression::keep) encoding.compression = Compression::draco;
   auto written = write_fresh_gltf(mesh, format, encoding, surface.name);
@@ -186,7 +197,8 @@ Result<Surface> read_surface(DracoMesh& mesh) {
   surface.name = "mesh";
   surface.mesh.positions = to_vectors(*positions);
   surface.mesh.triangles = mesh.take_triangles();
-  surface.primitives.push_back({.count = static_cast<Index>(surface.mesh.positions.size())});
+  surface.primitives.push_back({.count = static_cast<Index>(surface.mesh.positions.size()),
+                                .has_colors = mesh.find(DracoKind::color) != nullptr});
   for (std::size_t i = 0; i < surface.mesh.positions.size(); ++i) {
     if (!surface.mesh.positions[i].cast<float>().allFinite()) {
       return Error{

@@ -62,6 +62,13 @@ DracoPart attribute_part(const VertexAttribute& attribute,
           .grid = grid};
 }
 
+DracoPart color_part(const VertexColors& colors) {
+  return {.kind = DracoKind::color,
+          .name = {},
+          .components = 4,
+          .values = pack_srgb_colors(colors.values)};
+}
+
 std::string describe_surface(std::string_view name, const SurfaceGrids& grids,
                              std::span<const VertexAttribute> attributes) {
   std::string out = fmt::format("{} as Draco: {}", name, describe_grid("POSITION", grids.position));
@@ -129,6 +136,7 @@ Result<Encoded> write_fresh_draco(const Surface& surface, const SurfaceResult& r
     source.parts.push_back(
         attribute_part(result.attributes[i], grids.attributes[i], 0, source.points));
   }
+  if (result.colors) source.parts.push_back(color_part(*result.colors));
   auto stream =
       encode_draco(source, options.level, options.keep_order ? DracoOrder::kept : DracoOrder::free);
   if (!stream) return stream.error();

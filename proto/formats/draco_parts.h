@@ -35,6 +35,9 @@ DracoPart normal_part(std::span<const Vec3> normals, const DracoOptions& options
 DracoPart attribute_part(const VertexAttribute& attribute,
                          const std::optional<QuantizationGrid>& grid, Index first, Index count);
 
+/// The attribute COLOR of a mesh without a scene, in sRGB as in PLY.
+DracoPart color_part(const VertexColors& colors);
+
 /// What is told of a stored surface: the largest errors of its positions and attributes.
 std::string describe_surface(std::string_view name, const SurfaceGrids& grids,
                              std::span<const VertexAttribute> attributes);

@@ -25,6 +25,7 @@ struct Parts {
   const std::vector<Triangle>& triangles;
   const std::vector<Vec3>& normals;
   const std::vector<VertexAttribute>& attributes;
+  const std::optional<VertexColors>& colors;
 };
 
 std::vector<std::byte> bytes_of(std::string_view text) {
@@ -54,6 +55,7 @@ std::string ply_header(const Parts& parts, bool floats, bool signed_indices) {
       out += fmt::format("property float {}\n", name);
     }
   }
+  if (parts.colors) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   out += fmt::format("element face {}\nproperty list uchar {} vertex_indices\nend_header\n",
                      parts.triangles.size(), signed_indices ? "int" : "uint");
   return out;
@@ -81,6 +83,7 @@ std::vector<std::byte> write_ply(const Parts& parts) {
         append_value(out, attribute.values[v * components + c]);
       }
     }
+    if (parts.colors) append_value(out, parts.colors->values[v]);
   }
   for (const Triangle& triangle : parts.triangles) {
     append_value(out, std::uint8_t{3});
@@ -136,6 +139,9 @@ Result<Encoded> write_gltf(const Parts& parts, Format format, const Encoding& en
     mesh.attributes.push_back(
         {attribute.name, pack_floats(attribute.values, attribute.components)});
   }
+  if (parts.colors) {
+    mesh.attributes.push_back({"COLOR_0", pack_linear_colors(parts.colors->values)});
+  }
   return write_fresh_gltf(mesh, format, encoding, name);
 }
 
@@ -171,7 +177,7 @@ Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& re
                                  const Encoding& encoding) {
   const Parts parts{result.moved ? result.positions : surface.mesh.positions,
                     surface.mesh.triangles, result.moved ? result.normals : surface.normals,
-                    result.attributes};
+                    result.attributes, result.colors};
   for (const Vec3& position : parts.positions) {
     if (!position.cast<float>().allFinite()) {
       if (!result.moved) {
@@ -220,7 +226,9 @@ std::vector<std::string> conversion_notes(const Document& document,
                                           Format wanted) {
   std::vector<std::string> out;
   bool has_attributes = false;
-  for (const SurfaceResult& result : results) has_attributes |= !result.attributes.empty();
+  for (const SurfaceResult& result : results) {
+    has_attributes |= !result.attributes.empty() || result.colors;
+  }
   if (has_attributes && (wanted == Format::obj || wanted == Format::stl)) {
     out.push_back(
         fmt::format("{} has no place for attributes of vertices: the curvature is not stored; ask "
@@ -237,6 +245,28 @@ std::vector<std::string> conversion_notes(const Document& document,
   out.push_back(
       fmt::format("written anew as {}, without {}", name_of(wanted), fmt::join(lost, ", ")));
   return out;
+}
+
+std::vector<std::string> kept_color_notes(std::span<const Surface> surfaces,
+                                          std::span<const SurfaceResult> results,
+                                          const Conversion& conversion) {
+  const bool scene = !holds_one_mesh(conversion.wanted);
+  const bool carried =
+      conversion.came == conversion.wanted || (scene && (!is_shape(conversion.came)));
+  std::size_t kept = 0;
+  std::string first;
+  for (std::size_t i = 0; carried && i < surfaces.size(); ++i) {
+    for (const PrimitiveVertices& primitive : surfaces[i].primitives) {
+      if (!results[i].colors || results[i].colors_vertices(primitive.has_colors)) continue;
+      if (kept++ == 0) first = surfaces[i].name;
+    }
+  }
+  if (kept == 0) return {};
+  return {fmt::format(
+      "{} keep{} the colours that the file has (the first in {}); \"colors\": {{\"replace\": "
+      "true}} "
+      "replaces them",
+      kept == 1 ? "1 primitive" : fmt::format("{} primitives", kept), kept == 1 ? "s" : "", first)};
 }
 
 }  // namespace fairway

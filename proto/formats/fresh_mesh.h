@@ -44,4 +44,9 @@ std::vector<std::string> conversion_notes(const Document& document,
                                           std::span<const SurfaceResult> results, Format came,
                                           Format wanted);
 
+/// Sentences about primitives that keep the colours they have although new ones were asked for.
+std::vector<std::string> kept_color_notes(std::span<const Surface> surfaces,
+                                          std::span<const SurfaceResult> results,
+                                          const Conversion& conversion);
+
 }  // namespace fairway

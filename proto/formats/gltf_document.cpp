@@ -5,6 +5,7 @@
 #include "proto/formats/glb.h"
 #include "proto/formats/gltf_extensions.h"
 #include "proto/formats/gltf_facts.h"
+#include "proto/formats/gltf_nodes.h"
 #include "proto/formats/gltf_patch.h"
 #include "proto/formats/gltf_scene.h"
 #include "proto/formats/gltf_surfaces.h"
@@ -19,6 +20,7 @@ class GltfDocument final : public Document {
         tables_(std::move(tables)),
         layout_(std::move(surfaces.layout)),
         binary_(std::move(binary)) {
+    scene_ = outline_scene(JsonPlace(json_, ""));
     surfaces_ = std::move(surfaces.surfaces);
     notes_ = std::move(surfaces.notes);
     facts_ = gltf_facts(json_);

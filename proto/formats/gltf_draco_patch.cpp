@@ -111,6 +111,10 @@ void PrimitiveCompressor::add_new() {
     add(attribute.name,
         attribute_part(attribute, from_.grids.attributes[i], block_.first, block_.count));
   }
+  if (!from_.result.colors_vertices(primitive_.source.attribute("COLOR_0").has_value())) return;
+  add_packed("COLOR_0",
+             pack_linear_colors(
+                 std::span(from_.result.colors->values).subspan(block_.first, block_.count)));
 }
 
 /// What has to be taken out of the old stream.

@@ -20,6 +20,7 @@ namespace fairway {
 namespace {
 
 constexpr std::string_view kIndices = "indices";
+constexpr const char* kColors = "COLOR_0";
 
 /// Bounds are stated where they were.
 Bounds bounds_of(const Json& accessor) {
@@ -77,6 +78,7 @@ class SurfacePatch {
   Result<void> move(const SurfacePrimitive& primitive);
   Result<void> straighten_tangents(const SurfacePrimitive& primitive);
   Result<void> add_attributes(const SurfacePrimitive& primitive);
+  Result<void> add_colors(const SurfacePrimitive& primitive);
   PrimitiveCoding wanted_coding(const SurfacePrimitive& primitive) const;
   bool can_be_draco(const SurfacePrimitive& primitive) const;
   PrimitiveCoding coding_of(const SurfacePrimitive& primitive);
@@ -137,7 +139,8 @@ Result<void> SurfacePatch::unpack_draco(const SurfacePrimitive& primitive) {
   const DracoMesh& mesh = draco_.at(use.view);
   for (const auto& [name, id] : use.ids) {
     const auto accessor = primitive.source.attribute(name);
-    const bool replaced = result_.moved && (name == "POSITION" || name == "NORMAL");
+    const bool replaced = (result_.moved && (name == "POSITION" || name == "NORMAL")) ||
+                          (name == kColors && result_.colors_vertices(true));
     if (!accessor || replaced) continue;
     Slot slot{{*accessor, primitive.block, name}, accessor};
     slot.bounds =
@@ -208,7 +211,19 @@ Result<void> SurfacePatch::add_attributes(const SurfacePrimitive& primitive) {
     const Slot slot{{block.position, block.draco_view.value_or(kNoIndex), attribute.name}};
     if (auto done = place(slot, make, primitive, attribute.name); !done) return done;
   }
-  return {};
+  return add_colors(primitive);
+}
+
+Result<void> SurfacePatch::add_colors(const SurfacePrimitive& primitive) {
+  const VertexBlock& block = plan_.blocks[primitive.block];
+  const auto old = primitive.source.attribute(kColors);
+  if (!result_.colors_vertices(old.has_value())) return {};
+  const auto make = [&]() -> Result<PackedValues> {
+    return pack_linear_colors(std::span(result_.colors->values).subspan(block.first, block.count));
+  };
+  const Slot slot{{block.position, block.draco_view.value_or(kNoIndex), kColors},
+                  label_of(primitive, kColors)};
+  return place(slot, make, primitive, kColors);
 }
 
 /// What is asked for, before it is known whether it can be done.
@@ -255,6 +270,7 @@ PrimitiveCoding SurfacePatch::coding_of(const SurfacePrimitive& primitive) {
 void SurfacePatch::uncompress_replaced(const SurfacePrimitive& primitive) {
   Json& stream = json_of(primitive)["extensions"][kDracoExtension]["attributes"];
   for (const VertexAttribute& attribute : result_.attributes) stream.erase(attribute.name);
+  if (result_.colors_vertices(true)) stream.erase(kColors);
 }
 
 Result<void> SurfacePatch::patch(const SurfacePrimitive& primitive) {
@@ -295,6 +311,7 @@ Result<std::vector<std::string>> patch_surfaces(const GltfTables& tables, const 
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const SurfaceResult& result = results[i];
+    if (result.untouched) continue;
     SurfaceGrids grids;
     if (may_write_draco(encoding.compression, layout.plans[i])) {
       grids = make_surface_grids(result.moved ? result.positions : surfaces[i].mesh.positions,

@@ -13,6 +13,7 @@
 #include "proto/formats/gltf_accessor.h"
 #include "proto/formats/gltf_extensions.h"
 #include "proto/formats/gltf_meshopt.h"
+#include "proto/formats/gltf_nodes.h"
 
 namespace fairway {
 namespace {
@@ -255,8 +256,8 @@ Result<void> SurfaceGatherer::add_primitive(const JsonPlace& place, std::size_t 
   const std::size_t first_triangle = surface.mesh.triangles.size();
   append_triangles(*std::move(triangles), vertices.first, surface.mesh.triangles);
   if (place.has("targets")) note("morph targets keep their deltas");
-  surface.primitives.push_back(
-      {index, vertices.position, vertices.draco_view, vertices.first, vertices.count});
+  surface.primitives.push_back({index, vertices.position, vertices.draco_view, vertices.first,
+                                vertices.count, (*source)->attribute("COLOR_0").has_value()});
   plan.primitives.push_back({index, **std::move(source), *block, first_triangle,
                              surface.mesh.triangles.size() - first_triangle});
   return {};
@@ -305,6 +306,8 @@ Result<GltfSurfaces> gather_surfaces(const JsonPlace& root, GltfTables& tables) 
     return Error{ErrorCode::no_triangles,
                  "The file has no triangles to denoise; send a mesh with triangle primitives."};
   }
+  const std::vector<WorldScale> scales = world_scales(root, (*meshes)->size());
+  for (Surface& surface : out.surfaces) surface.world_scale = scales[surface.mesh_index];
   if (has_skinned_node(root)) out.notes.emplace_back("skinned: the bind pose is denoised");
   return out;
 }

@@ -18,8 +18,11 @@ struct Column {
   const std::vector<float>* floats = nullptr;
   std::size_t components = 1;
   std::size_t component = 0;
+  const std::vector<Srgb>* colors = nullptr;  ///< or
 
+  PlyType type() const { return colors != nullptr ? PlyType::u8 : PlyType::f32; }
   double at(std::size_t vertex) const {
+    if (colors != nullptr) return (*colors)[vertex][component];
     if (vectors != nullptr) return (*vectors)[vertex][static_cast<Eigen::Index>(component)];
     return static_cast<double>((*floats)[vertex * components + component]);
   }
@@ -46,6 +49,7 @@ class PlyDocument final : public ShapeDocument {
 
   std::vector<std::string> left_behind() const;
   Result<VertexPlan> plan(const SurfaceResult& result) const;
+  Result<void> plan_colors(const VertexColors& colors, VertexPlan& plan) const;
   std::vector<std::byte> new_header(const VertexPlan& plan) const;
   Result<std::vector<std::byte>> patch_text(const VertexPlan& plan) const;
   Result<std::vector<std::byte>> patch_binary(const VertexPlan& plan) const;
@@ -101,14 +105,38 @@ Result<VertexPlan> PlyDocument::plan(const SurfaceResult& result) const {
       out.replaced[*there] = column;
     }
   }
+  if (result.colors_vertices(surfaces_.front().primitives.front().has_colors)) {
+    if (auto done = plan_colors(*result.colors, out); !done) return done.error();
+  }
   return out;
+}
+
+Result<void> PlyDocument::plan_colors(const VertexColors& colors, VertexPlan& plan) const {
+  for (std::size_t c = 0; c < kPlyColors.size(); ++c) {
+    const Column column{std::string(kPlyColors[c]), nullptr, nullptr, 3, c, &colors.values};
+    const auto there = vertex().find(column.name);
+    if (!there) {
+      plan.added.push_back(column);
+      continue;
+    }
+    const PlyProperty& property = vertex().properties[*there];
+    if (property.list_size || property.type != PlyType::u8) {
+      return Error{
+          ErrorCode::unsupported_feature,
+          fmt::format("The PLY has a property {} that is not uchar; rename it.", column.name)};
+    }
+    plan.replaced[*there] = column;
+  }
+  return {};
 }
 
 std::vector<std::byte> PlyDocument::new_header(const VertexPlan& plan) const {
   std::vector<std::byte> out;
   append(out, source().first(ply_.header.vertex_end));
   for (const Column& column : plan.added) {
-    append(out, as_bytes(fmt::format("property float {}{}", column.name, ply_.header.line_end)));
+    append(out,
+           as_bytes(fmt::format("property {} {}{}", column.colors != nullptr ? "uchar" : "float",
+                                column.name, ply_.header.line_end)));
   }
   append(out, source().subspan(ply_.header.vertex_end, ply_.header.size - ply_.header.vertex_end));
   return out;
@@ -132,7 +160,7 @@ Result<std::vector<std::byte>> PlyDocument::patch_binary(const VertexPlan& plan)
       }
     }
     for (const Column& column : plan.added) {
-      append_ply_value(column.at(v), PlyType::f32, encoding, out);
+      append_ply_value(column.at(v), column.type(), encoding, out);
     }
   }
   return out;
@@ -160,7 +188,7 @@ Result<std::vector<std::byte>> PlyDocument::patch_text(const VertexPlan& plan) c
     std::string added;
     for (const Column& column : plan.added) {
       added += ' ';
-      added += ply_word(column.at(v), PlyType::f32);
+      added += ply_word(column.at(v), column.type());
     }
     patch.insert_behind(values.last_word(), added);
   }

@@ -2,6 +2,7 @@
 
 #include "proto/formats/ply_surface.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -206,7 +207,12 @@ Result<PlySurface> SurfaceReader::read() {
     return Error{ErrorCode::no_triangles, "The PLY has no triangles to denoise."};
   }
   out_.surface.name = "mesh";
-  out_.surface.primitives.push_back({.count = static_cast<Index>(vertices_)});
+  const PlyElement& vertex = *out_.header.find("vertex");
+  const bool colored = std::any_of(kPlyColors.begin(), kPlyColors.end(), [&](std::string_view key) {
+    return vertex.find(key).has_value();
+  });
+  out_.surface.primitives.push_back(
+      {.count = static_cast<Index>(vertices_), .has_colors = colored});
   return std::move(out_);
 }
 

@@ -2,11 +2,15 @@
 
 #include <array>
 #include <optional>
+#include <string_view>
 
 #include "proto/formats/document.h"
 #include "proto/formats/ply_header.h"
 
 namespace fairway {
+
+/// The properties that are a vertex's colour.
+inline constexpr std::array<std::string_view, 3> kPlyColors = {"red", "green", "blue"};
 
 /// What a PLY holds of a mesh, and where.
 struct PlySurface {

@@ -180,7 +180,9 @@ double as_type(double value, PlyType type) {
 void append_ply_value(double value, PlyType type, PlyEncoding encoding,
                       std::vector<std::byte>& out) {
   const std::size_t begin = out.size();
-  if (type == PlyType::f32) {
+  if (type == PlyType::u8) {
+    append_value(out, static_cast<std::uint8_t>(value));
+  } else if (type == PlyType::f32) {
     append_value(out, static_cast<float>(value));
   } else {
     append_value(out, value);

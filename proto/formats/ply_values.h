@@ -57,11 +57,11 @@ class PlyValues {
 /// `value` as a value of a real `type` reads back.
 double as_type(double value, PlyType type);
 
-/// Appends a value of a real type to a binary body.
+/// Appends a value of a real type, or a whole number of type u8, to a binary body.
 void append_ply_value(double value, PlyType type, PlyEncoding encoding,
                       std::vector<std::byte>& out);
 
-/// A value of a real type as a word.
+/// The same as a word.
 std::string ply_word(double value, PlyType type);
 
 }  // namespace fairway

@@ -12,8 +12,9 @@ Result<Encoded> ShapeDocument::write(std::span<const SurfaceResult> results, For
   if (const auto done = check_results(surfaces_, results); !done) return done.error();
   const SurfaceResult& result = results.front();
   if (format != format_) return write_fresh_mesh(surfaces_.front(), result, format, encoding);
-  const bool adds = holds_attributes() && !result.attributes.empty();
-  if (!result.moved && !adds) return Encoded{{source_.begin(), source_.end()}, {}};
+  const bool adds = holds_attributes() && (!result.attributes.empty() || result.colors);
+  if (result.untouched || (!result.moved && !adds))
+    return Encoded{{source_.begin(), source_.end()}, {}};
   auto bytes = patch(result);
   if (!bytes) return bytes.error();
   return Encoded{*std::move(bytes), {}};

@@ -28,6 +28,7 @@ Result<void> check_result(const Surface& surface, const SurfaceResult& result) {
                    "A position left the range of single precision; use fewer or smaller steps."};
     }
   }
+  if (result.colors && result.colors->values.size() != vertices) return unfit(surface, "colours");
   for (const VertexAttribute& attribute : result.attributes) {
     if (attribute.components < 1 || attribute.components > kMostComponents ||
         attribute.values.size() != vertices * static_cast<std::size_t>(attribute.components)) {

@@ -63,19 +63,22 @@ Json flow_document(const FlowReport& flow, std::size_t most_steps) {
 
 Json surface_document(const SurfaceReport& surface, std::size_t most_steps) {
   const SurfaceCounts& counts = surface.counts;
-  return {{"name", surface.name},
-          {"source_vertices", counts.source_vertices},
-          {"source_triangles", counts.source_triangles},
-          {"vertices", surface.vertices},
-          {"faces", surface.faces},
-          {"components", surface.components},
-          {"boundary_loops", surface.boundary_loops},
-          {"welded", counts.welded},
-          {"isolated", counts.isolated},
-          {"split", counts.split},
-          {"degenerate_triangles", counts.degenerate_triangles},
-          {"duplicate_triangles", counts.duplicate_triangles},
-          {"flow", flow_document(surface.flow, most_steps)}};
+  Json out = {{"name", surface.name},
+              {"source_vertices", counts.source_vertices},
+              {"source_triangles", counts.source_triangles},
+              {"vertices", surface.vertices},
+              {"faces", surface.faces},
+              {"components", surface.components},
+              {"boundary_loops", surface.boundary_loops},
+              {"welded", counts.welded},
+              {"isolated", counts.isolated},
+              {"split", counts.split},
+              {"degenerate_triangles", counts.degenerate_triangles},
+              {"duplicate_triangles", counts.duplicate_triangles},
+              {"flow", flow_document(surface.flow, most_steps)}};
+  if (surface.world_scale) out["world_scale"] = *surface.world_scale;
+  if (surface.color_limit) out["color_limit"] = *surface.color_limit;
+  return out;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct SurfaceReport {
   std::size_t components = 0;
   std::size_t boundary_loops = 0;
   FlowReport flow;
+  std::optional<double> world_scale = {};  ///< that curvature was divided by, if it was asked for
+  std::string why_local = {};              ///< why it was not, though it was asked for
+  std::optional<double> color_limit = {};  ///< curvature of the last colours, if there are any
 };
 
 /// Everything a job has to tell.

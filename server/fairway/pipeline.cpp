@@ -3,7 +3,7 @@
 #include "server/fairway/pipeline.h"
 
 #include <algorithm>
-#include <limits>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,6 +20,10 @@
 #include "proto/formats/document.h"
 #include "proto/formats/fixed_vertices.h"
 #include "proto/formats/fresh_mesh.h"
+#include "proto/formats/selection.h"
+#include "proto/formats/surface_weld.h"
+#include "proto/messages/surface_notes.h"
+#include "server/fairway/result_attributes.h"
 
 namespace fairway {
 namespace {
@@ -65,75 +69,19 @@ class ProgressTeller {
   double last_ = 0.0;
 };
 
-/// float32, finite: what lies beyond its range becomes its largest value.
-float to_float(double value) {
-  constexpr double kMost = std::numeric_limits<float>::max();
-  return static_cast<float>(std::clamp(value, -kMost, kMost));
-}
-
-/// Values of surface vertices as those of source vertices; 0 where `vertex` has none.
-VertexAttribute scalar_attribute(CurvatureKind kind, const std::vector<double>& values,
-                                 std::span<const Index> vertex) {
-  VertexAttribute out{std::string(attribute_name(kind)), 1, {}};
-  out.values.reserve(vertex.size());
-  for (const Index v : vertex) out.values.push_back(v == kNoIndex ? 0.0F : to_float(values[v]));
-  return out;
-}
-
-VertexAttribute vector_attribute(CurvatureKind kind, const std::vector<Vec3>& values,
-                                 std::span<const Index> vertex) {
-  VertexAttribute out{std::string(attribute_name(kind)), 3, {}};
-  out.values.reserve(3 * vertex.size());
-  for (const Index v : vertex) {
-    const Vec3 value = v == kNoIndex ? Vec3(Vec3::Zero()) : values[v];
-    for (const double c : {value.x(), value.y(), value.z()}) out.values.push_back(to_float(c));
-  }
-  return out;
-}
-
-VertexAttribute attribute(CurvatureKind kind, const CurvatureFields& fields,
-                          std::span<const Index> vertex) {
-  switch (kind) {
-    case CurvatureKind::k1:
-      return scalar_attribute(kind, fields.k1, vertex);
-    case CurvatureKind::k2:
-      return scalar_attribute(kind, fields.k2, vertex);
-    case CurvatureKind::mean:
-      return scalar_attribute(kind, fields.mean, vertex);
-    case CurvatureKind::gaussian:
-      return scalar_attribute(kind, fields.gaussian, vertex);
-    case CurvatureKind::predominant:
-      return scalar_attribute(kind, fields.predominant, vertex);
-    case CurvatureKind::dir1:
-      return vector_attribute(kind, fields.dir1, vertex);
-    case CurvatureKind::dir2:
-      break;
-  }
-  return vector_attribute(kind, fields.dir2, vertex);
-}
-
-/// float32, so that every reader takes it: bytes would have to stand four apart.
-VertexAttribute feature_attribute(std::span<const unsigned char> flags) {
-  VertexAttribute out{std::string(kFeatureAttribute), 1, {}};
-  out.values.reserve(flags.size());
-  for (const unsigned char flag : flags) out.values.push_back(flag != 0 ? 1.0F : 0.0F);
-  return out;
-}
-
-void add_attributes(const CurvatureFields& fields, std::span<const Index> vertex,
-                    const Parameters& parameters, SurfaceResult& result) {
-  for (const CurvatureKind kind : parameters.curvature) {
-    result.attributes.push_back(attribute(kind, fields, vertex));
-  }
-}
-
 SurfaceReport describe(const Surface& surface, const TriangleMesh& mesh, FlowReport flow) {
   const SurfaceTopology topology = surface_topology(mesh);
   return {surface.name,        mesh.counts(),           mesh.vertex_count(), mesh.faces().size(),
           topology.components, topology.boundary_loops, std::move(flow)};
 }
 
-/// One surface: topology → flow → curvature.
+/// The surface to compute with, its vertices welded as asked for.
+Result<TriangleMesh> build_mesh(const Surface& surface, Welding welding) {
+  if (welding == Welding::position) return TriangleMesh::build(surface.mesh);
+  return TriangleMesh::build(surface.mesh, weld_elements(surface));
+}
+
+/// One surface: flow → curvature.
 Result<SurfaceResult> denoise_surface(const Surface& surface, const TriangleMesh& mesh,
                                       const Parameters& parameters, ProgressTeller& progress,
                                       const std::stop_token& stop, JobReport& report) {
@@ -151,14 +99,14 @@ Result<SurfaceResult> denoise_surface(const Surface& surface, const TriangleMesh
     }
   }
   progress.stage("curvature", kFlowed);
-  if (!parameters.curvature.empty()) {
-    add_attributes(curvature(mesh, denoised->positions), mesh.vertex_of_source(), parameters,
-                   result);
+  report.surfaces.push_back(describe(surface, mesh, std::move(denoised->report)));
+  if (!parameters.curvature.none()) {
+    add_curvature(surface, curvature(mesh, denoised->positions), mesh.vertex_of_source(),
+                  parameters.curvature, result, report.surfaces.back());
   }
   if (parameters.flow.find_features) {
     result.attributes.push_back(feature_attribute(scatter_flags(mesh, denoised->features)));
   }
-  report.surfaces.push_back(describe(surface, mesh, std::move(denoised->report)));
   return result;
 }
 
@@ -167,7 +115,7 @@ SurfaceResult leave_alone(const Surface& surface, const Parameters& parameters, 
                           JobReport& report) {
   SurfaceResult result;
   const std::size_t vertices = surface.mesh.positions.size();
-  add_attributes({}, std::vector<Index>(vertices, kNoIndex), parameters, result);
+  add_zero_curvature(vertices, parameters.curvature, result);
   if (parameters.flow.find_features) {
     result.attributes.push_back(feature_attribute(std::vector<unsigned char>(vertices)));
   }
@@ -175,31 +123,56 @@ SurfaceResult leave_alone(const Surface& surface, const Parameters& parameters, 
   return result;
 }
 
-Result<std::vector<SurfaceResult>> denoise_all(const Document& document, Parameters parameters,
-                                               ProgressTeller& progress,
+std::size_t count_triangles(std::span<const Surface> surfaces, const std::vector<bool>& selected) {
+  std::size_t triangles = 0;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (selected[i]) triangles += surfaces[i].mesh.triangles.size();
+  }
+  return triangles;
+}
+
+Result<std::vector<SurfaceResult>> denoise_all(const Document& document,
+                                               const std::vector<bool>& selected,
+                                               Parameters parameters, ProgressTeller& progress,
                                                const std::stop_token& stop, JobReport& report) {
   auto fixed = find_fixed_vertices(document.surfaces(), parameters.fixed_vertices);
   if (!fixed) return fixed.error();
-  std::vector<SurfaceResult> results;
+  std::vector<SurfaceResult> results(document.surfaces().size());
   std::optional<Error> first_unusable;
-  for (std::size_t i = 0; i < document.surfaces().size(); ++i) {
+  for (std::size_t i = 0; i < results.size(); ++i) {
     const Surface& surface = document.surfaces()[i];
+    results[i].untouched = !selected[i];
+    if (!selected[i]) continue;
     parameters.flow.fixed_vertices = std::move((*fixed)[i]);
     progress.next_surface(surface.mesh.triangles.size());
     progress.stage("topology", 0.0);
-    const Result<TriangleMesh> mesh = TriangleMesh::build(surface.mesh);
+    const Result<TriangleMesh> mesh = build_mesh(surface, parameters.welding);
     if (!mesh) {
-      results.push_back(leave_alone(surface, parameters, mesh.error(), report));
+      results[i] = leave_alone(surface, parameters, mesh.error(), report);
       if (!first_unusable) first_unusable = mesh.error();
       continue;
     }
     Result<SurfaceResult> result =
         denoise_surface(surface, *mesh, parameters, progress, stop, report);
     if (!result) return result.error();
-    results.push_back(*std::move(result));
+    results[i] = *std::move(result);
   }
   if (report.surfaces.empty() && first_unusable) return *first_unusable;
   return results;
+}
+
+/// What there is to tell once it is known what is written how.
+void add_notes(const Document& document, std::span<const SurfaceResult> results,
+               const Parameters& parameters, const Conversion& conversion, JobReport& report) {
+  const auto add = [&report](std::vector<std::string> notes) {
+    std::move(notes.begin(), notes.end(), std::back_inserter(report.notes));
+  };
+  add(surface_notes(report.surfaces));
+  if (parameters.welding == Welding::none && conversion.came == Format::stl) {
+    report.notes.emplace_back("STL has no indices: equal corners are one vertex all the same");
+  }
+  add(kept_color_notes(document.surfaces(), results, conversion));
+  add(conversion_notes(document, results, conversion.came, conversion.wanted));
 }
 
 }  // namespace
@@ -210,22 +183,22 @@ Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format for
   if (observer) observer({"decode", 0, 0, 0.0});
   Result<std::unique_ptr<Document>> document = decode(input, format, side_files);
   if (!document) return document.error();
-  std::size_t triangles = 0;
-  for (const Surface& s : (*document)->surfaces()) triangles += s.mesh.triangles.size();
+  const auto selected = select_surfaces(**document, parameters.selection);
+  if (!selected) return selected.error();
 
   PipelineOutput out;
   out.format = parameters.output.value_or(format);
   out.report.notes = (*document)->notes();
-  ProgressTeller progress(observer, triangles);
+  const std::string left = describe_selection((*document)->surfaces(), *selected);
+  if (!left.empty()) out.report.notes.push_back(left);
+  ProgressTeller progress(observer, count_triangles((*document)->surfaces(), *selected));
   const Result<std::vector<SurfaceResult>> results =
-      denoise_all(**document, parameters, progress, stop, out.report);
+      denoise_all(**document, *selected, parameters, progress, stop, out.report);
   if (!results) return results.error();
   progress.stage("encode", 1.0);
-  for (std::string& note : conversion_notes(**document, *results, format, out.format)) {
-    out.report.notes.push_back(std::move(note));
-  }
-  Result<Encoded> encoded =
-      convert(**document, *results, {format, out.format, parameters.encoding});
+  const Conversion conversion{format, out.format, parameters.encoding};
+  add_notes(**document, *results, parameters, conversion, out.report);
+  Result<Encoded> encoded = convert(**document, *results, conversion);
   if (!encoded) return encoded.error();
   out.bytes = std::move(encoded->bytes);
   for (std::string& note : encoded->notes) out.report.notes.push_back(std::move(note));

@@ -27,8 +27,9 @@ using ProgressObserver = std::function<void(const Progress&)>;
 
 /// The whole of fairway on one file in memory: decode → topology → flow → curvature → encode.
 /// A mesh of the file that has no usable triangle stays as it is, with a note, as long as another
-/// one has some. `side_files` are those that a glTF may name beside itself. Errors: those of
-/// decode(), TriangleMesh::build(), denoise() and encode().
+/// one has some, and so does what the parameters do not select. `side_files` are those that a glTF
+/// may name beside itself. Errors: those of decode(), select_surfaces(), TriangleMesh::build(),
+/// denoise() and encode().
 Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format format,
                                     const Parameters& parameters, const ProgressObserver& observer,
                                     const std::stop_token& stop, const SideFiles& side_files = {});

@@ -8,8 +8,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/surface_topology.h"
 #include "core/shapes.h"
+#include "core/surface_topology.h"
 
 namespace fairway::test {
 namespace {
@@ -215,6 +215,118 @@ TEST_CASE("a vertex that does not move keeps even the sign of its zeros") {
   const std::vector<Vec3> out = mesh.scatter_positions(source, mesh.positions());
   CHECK(std::signbit(out[0].x()));
   CHECK(std::signbit(out[0].z()));
+}
+
+namespace {
+
+/// Every index a vertex of its own.
+Weld unwelded(const IndexedMesh& mesh) {
+  Weld weld;
+  weld.count = mesh.positions.size();
+  for (Index i = 0; i < mesh.positions.size(); ++i) weld.place.push_back(i);
+  return weld;
+}
+
+void append(IndexedMesh& mesh, const IndexedMesh& other, bool reversed = false) {
+  const auto first = static_cast<Index>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
+  for (const auto& [a, b, c] : other.triangles) {
+    mesh.triangles.push_back(reversed ? Triangle{a + first, c + first, b + first}
+                                      : Triangle{a + first, b + first, c + first});
+  }
+}
+
+}  // namespace
+
+TEST_CASE("two shells at one place move as one, and no triangle of either is lost") {
+  const bool reversed = GENERATE(false, true);
+  const IndexedMesh one = sphere(2, 1.0);
+  IndexedMesh two = one;
+  append(two, one, reversed);
+  const TriangleMesh surface = built(two);
+  // Computed with once, in the direction of the first.
+  CHECK(surface.faces() == built(one).faces());
+  CHECK(surface.counts().duplicate_triangles == one.triangles.size());
+  CHECK(surface.counts().welded == one.positions.size());
+  CHECK(surface.counts().split == 0);
+  CHECK(surface.counts().boundary_edges == 0);
+  std::vector<Vec3> moved = surface.positions();
+  for (Vec3& p : moved) p *= 0.9;
+  const std::vector<Vec3> back = surface.scatter_positions(two, moved);
+  REQUIRE(back.size() == two.positions.size());
+  for (std::size_t v = 0; v < one.positions.size(); ++v) {
+    CHECK(back[v] == back[v + one.positions.size()]);
+    CHECK((back[v] - 0.9 * one.positions[v]).norm() < 1e-14);
+  }
+}
+
+TEST_CASE("shells that share a part of their surface come apart there and keep together") {
+  // Two cubes, one on the other: the shared face is there twice, in opposite directions.
+  IndexedMesh cube;
+  for (const double z : {0.0, 1.0}) {
+    for (const auto& [x, y] : {std::pair(0.0, 0.0), {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}}) {
+      cube.positions.emplace_back(x, y, z);
+    }
+  }
+  cube.triangles = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
+                    {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+  IndexedMesh upper = cube;
+  for (Vec3& p : upper.positions) p.z() += 1.0;
+  upper.triangles[0] = {0, 3, 1};  // the other diagonal: same places, no equal triangles
+  upper.triangles[1] = {1, 3, 2};
+  IndexedMesh two = cube;
+  append(two, upper);
+  const TriangleMesh surface = built(two);
+  CHECK(surface.counts().duplicate_triangles == 0);
+  CHECK(surface.faces().size() == two.triangles.size());
+  CHECK(surface.counts().welded == 4);
+  CHECK(surface.counts().split > 0);
+  std::vector<Vec3> moved = surface.positions();
+  for (std::size_t v = 0; v < moved.size(); ++v) moved[v].x() += 0.01 * static_cast<double>(v);
+  const std::vector<Vec3> back = surface.scatter_positions(two, moved);
+  for (std::size_t k = 0; k < 4; ++k) CHECK(back[4 + k] == back[8 + k]);
+}
+
+TEST_CASE("without a weld, shells that touch stay apart and cracks stay open") {
+  const IndexedMesh one = sphere(2, 1.0);
+  IndexedMesh two = one;
+  append(two, one);
+  Result<TriangleMesh> apart = TriangleMesh::build(two, unwelded(two));
+  REQUIRE(apart);
+  CHECK(apart->vertex_count() == two.positions.size());
+  CHECK(apart->faces() == two.triangles);
+  CHECK(apart->counts().welded == 0);
+  CHECK(apart->counts().duplicate_triangles == 0);
+  CHECK(surface_topology(*apart).components == 2);
+  // Each moves by itself.
+  std::vector<Vec3> moved = apart->positions();
+  moved[3] += Vec3(0.5, 0.0, 0.0);
+  const std::vector<Vec3> back = apart->scatter_positions(two, moved);
+  CHECK(back[3] != two.positions[3]);
+  CHECK(back[3 + one.positions.size()] == two.positions[3]);
+  const IndexedMesh cracked = soup(sheet(2));
+  Result<TriangleMesh> open = TriangleMesh::build(cracked, unwelded(cracked));
+  REQUIRE(open);
+  CHECK(open->counts().boundary_edges == 3 * cracked.triangles.size());
+}
+
+TEST_CASE("without a weld, a large mesh in no order answers as one in order") {
+  const IndexedMesh tidy = sphere(7, 1.0);
+  IndexedMesh shuffled = tidy;
+  for (std::size_t i = 1; i < shuffled.triangles.size(); ++i) {
+    std::swap(shuffled.triangles[i], shuffled.triangles[i * 7919 % (i + 1)]);
+  }
+  Result<TriangleMesh> mesh = TriangleMesh::build(shuffled, unwelded(shuffled));
+  REQUIRE(mesh);
+  CHECK(mesh->counts().boundary_edges == 0);
+  std::vector<Vec3> moved = mesh->positions();
+  for (Vec3& p : moved) p *= 2.0;
+  const std::vector<Vec3> back = mesh->scatter_positions(shuffled, moved);
+  double worst = 0.0;
+  for (std::size_t v = 0; v < back.size(); ++v) {
+    worst = std::max(worst, (back[v] - 2.0 * tidy.positions[v]).norm());
+  }
+  CHECK(worst < 1e-12);
 }
 
 }  // namespace fairway::test

@@ -7,7 +7,7 @@
 namespace fairway::test {
 namespace {
 
-constexpr std::array<const char*, 7> kParameters = {
+constexpr std::array<const char*, 8> kParameters = {
     "",
     "{}",
     R"({"steps":"auto","step_size":"auto","lambda":"auto"})",
@@ -19,6 +19,8 @@ constexpr std::array<const char*, 7> kParameters = {
         "output":"gltf"})",
     R"({"fixed_vertices":[{"mesh":0,"primitive":1,"vertices":[0,1]},
         {"mesh":2,"primitive":0,"vertices":[2147483647]}]})",
+    R"({"meshes":[0,2],"nodes":[1],"weld":"none","curvature_space":"world",
+        "colors":{"limit":2.5,"replace":true}})",
     R"({"steps":2.5})",
     R"({"unknown":"\u00e4","a/b~c":[[[]]]})"};
 

@@ -38,7 +38,7 @@ TEST_CASE("nothing and {} mean the automatic anisotropic prescribed flow") {
     CHECK(p.flow.guards.unfold);
     CHECK(p.flow.guards.min_component == 12);
     CHECK(p.flow.guards.local_step);
-    CHECK(p.curvature.size() == 7);
+    CHECK(p.curvature.kinds.size() == 7);
     CHECK(p.fixed_vertices.empty());
     CHECK_FALSE(p.flow.find_features);
     CHECK_FALSE(p.output);
@@ -69,7 +69,7 @@ TEST_CASE("every parameter is read") {
   CHECK_FALSE(p.flow.guards.unfold);
   CHECK(p.flow.guards.min_component == 0);
   CHECK_FALSE(p.flow.guards.local_step);
-  CHECK(p.curvature == std::vector{CurvatureKind::k1, CurvatureKind::mean});
+  CHECK(p.curvature.kinds == std::vector{CurvatureKind::k1, CurvatureKind::mean});
   CHECK(p.flow.find_features);
   REQUIRE(p.fixed_vertices.size() == 1);
   CHECK_FALSE(p.fixed_vertices[0].place);
@@ -85,6 +85,9 @@ TEST_CASE("a parameter document survives the round trip") {
   const auto* text = GENERATE("{}", R"({"lambda":0.25,"steps":7,"curvature":[]})",
                               R"({"method":"none","feature_angle":20.5,"output":"glb"})",
                               R"({"fixed_vertices":[0,2147483647],"features":true})",
+                              R"({"meshes":[2,0],"nodes":[7],"weld":"none"})",
+                              R"({"curvature_space":"world","colors":true})",
+                              R"({"colors":{"limit":2.5,"replace":true}})",
                               R"({"fixed_vertices":[{"mesh":2,"vertices":[5]},
                                   {"vertices":[],"primitive":1,"mesh":0}]})");
   const Json document = parameters_document(good(text));
@@ -178,6 +181,59 @@ TEST_CASE("more fixed vertices than the limit are refused, in one list or in man
   };
   refused(two(list(kMostFixedVertices / 2 + 1)), "/fixed_vertices/1/vertices");
   refused(R"({"fixed_vertices":)" + list(kMostFixedVertices + 1) + "}", "/fixed_vertices");
+}
+
+TEST_CASE("meshes and nodes select, empty lists and what is no index are refused") {
+  CHECK(good("{}").selection.all());
+  CHECK_FALSE(parameters_document(good("{}")).contains("meshes"));
+  const Parameters p = good(R"({"meshes":[2,0],"nodes":[7]})");
+  CHECK_FALSE(p.selection.all());
+  CHECK(p.selection.meshes == std::vector<Index>{2, 0});
+  CHECK(p.selection.nodes == std::vector<Index>{7});
+  const auto invalid = ErrorCode::invalid_parameters;
+  for (const std::string key : {"meshes", "nodes"}) {
+    check_refused("{\"" + key + "\":[]}", invalid, "/" + key);
+    check_refused("{\"" + key + "\":\"all\"}", invalid, "/" + key);
+    check_refused("{\"" + key + "\":3}", invalid, "/" + key);
+    check_refused("{\"" + key + "\":[0,-1]}", invalid, "/" + key + "/1");
+    check_refused("{\"" + key + "\":[0.5]}", invalid, "/" + key + "/0");
+  }
+}
+
+TEST_CASE("weld and the space of the curvature are names of closed sets") {
+  CHECK(good("{}").welding == Welding::position);
+  CHECK(good(R"({"weld":"position"})").welding == Welding::position);
+  CHECK(good(R"({"weld":"none"})").welding == Welding::none);
+  CHECK(parameters_document(good(R"({"weld":"none"})"))["weld"] == "none");
+  check_refused(R"({"weld":false})", ErrorCode::invalid_parameters, "/weld");
+  CHECK(good("{}").curvature.space == CurvatureSpace::local);
+  CHECK(good(R"({"curvature_space":"world"})").curvature.space == CurvatureSpace::world);
+  CHECK(parameters_document(good("{}"))["curvature_space"] == "local");
+  check_refused(R"({"curvature_space":"scene"})", ErrorCode::invalid_parameters,
+                "/curvature_space");
+}
+
+TEST_CASE("colours are asked for by true or by their settings") {
+  CHECK_FALSE(good("{}").curvature.colors);
+  CHECK_FALSE(good(R"({"colors":false})").curvature.colors);
+  CHECK(good(R"({"curvature":[]})").curvature.none());
+  const auto plain = good(R"({"colors":true,"curvature":[]})").curvature;
+  CHECK_FALSE(plain.none());
+  REQUIRE(plain.colors);
+  CHECK_FALSE(plain.colors->limit);
+  CHECK_FALSE(plain.colors->replace);
+  const auto set = good(R"({"colors":{"limit":2.5,"replace":true}})").curvature.colors;
+  REQUIRE(set);
+  CHECK(set->limit == 2.5);
+  CHECK(set->replace);
+  CHECK_FALSE(good(R"({"colors":{"limit":"auto"}})").curvature.colors->limit);
+  CHECK(parameters_document(good("{}"))["colors"] == false);
+  const auto invalid = ErrorCode::invalid_parameters;
+  check_refused(R"({"colors":"red"})", invalid, "/colors");
+  check_refused(R"({"colors":{"limit":0}})", invalid, "/colors/limit");
+  check_refused(R"({"colors":{"limit":-1}})", invalid, "/colors/limit");
+  check_refused(R"({"colors":{"replace":1}})", invalid, "/colors/replace");
+  check_refused(R"({"colors":{"map":"jet"}})", invalid, "/colors/map");
 }
 
 TEST_CASE("lambda together with feature_angle is refused") {
