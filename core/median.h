@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <type_traits>
 #include <vector>
 
@@ -20,33 +21,54 @@ Real median(std::vector<Real>& values) {
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
-/// The same for values ≥ 0, in place of many: single-precision values are first narrowed to those
-/// that share the median's leading bits, in one pass. Reorders the values.
+/// Of the values ≥ 0; −1 stands for none.
 template <class Real>
-Real median_of_positive(std::vector<Real>& values) {
+struct MedianAndLargest {
+  Real median = 0;
+  Real largest = -1;
+};
+
+/// The median and the largest of the values ≥ 0; negative ones are left out. Of many single-
+/// precision values only those that share the leading bits of one of the two are looked at twice.
+/// Reorders the values.
+template <class Real>
+MedianAndLargest<Real> median_and_largest(std::vector<Real>& values) {
   if constexpr (std::is_same_v<Real, float>) {
-    // Bit patterns of positive floats are ordered like their values.
+    // Bit patterns of positive floats are ordered like their values; negative ones come behind.
     constexpr unsigned kShift = 19;
-    std::array<std::size_t, 1U << (32U - kShift)> counts{};
+    constexpr std::size_t kBins = 1U << (31U - kShift);
+    std::array<std::size_t, 2 * kBins> counts{};
     const auto bin = [](float v) { return std::bit_cast<std::uint32_t>(v) >> kShift; };
     for (const float v : values) ++counts[bin(v)];
-    const std::size_t middle = values.size() / 2;
+    const std::size_t count =
+        std::accumulate(counts.begin(), counts.begin() + kBins, std::size_t{0});
+    if (count == 0) return {};
+    const std::size_t middle = count / 2;
     std::size_t before = 0;
     std::uint32_t wanted = 0;
     while (before + counts[wanted] <= middle) before += counts[wanted++];
-    // An even number's lower middle may lie in another bin: then sort out the slow way.
-    if (values.size() % 2 == 0 && before == middle) return median(values);
+    std::uint32_t last = kBins - 1;
+    while (counts[last] == 0) --last;
     std::vector<float> narrowed;
     narrowed.reserve(counts[wanted]);
+    float largest = 0.0F;
+    float below = 0.0F;  // the largest of those before the median's
     for (const float v : values) {
-      if (bin(v) == wanted) narrowed.push_back(v);
+      const std::uint32_t b = bin(v);
+      if (b == wanted) narrowed.push_back(v);
+      if (b == last) largest = std::max(largest, v);
+      if (before == middle && b < wanted) below = std::max(below, v);
     }
     const auto at = narrowed.begin() + static_cast<std::ptrdiff_t>(middle - before);
     std::nth_element(narrowed.begin(), at, narrowed.end());
-    if (values.size() % 2 == 1) return *at;
-    return (*at + *std::max_element(narrowed.begin(), at)) / 2;
+    if (count % 2 == 1) return {*at, largest};
+    const float lower = before == middle ? below : *std::max_element(narrowed.begin(), at);
+    return {(*at + lower) / 2, largest};
   } else {
-    return median(values);
+    std::erase_if(values, [](Real v) { return v < 0; });
+    if (values.empty()) return {};
+    const Real largest = *std::max_element(values.begin(), values.end());
+    return {median(values), largest};
   }
 }
 

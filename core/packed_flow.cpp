@@ -176,11 +176,11 @@ PackedFlow::Bends Flow<Real>::bends(bool sampled) {
   } else {
     look(0, static_cast<Index>(packed_.slices().size()));
   }
-  std::erase_if(values, [](Real squared) { return squared < 0; });
-  if (values.empty()) return {};
-  const bool folded = *std::max_element(values.begin(), values.end()) > static_cast<Real>(kFolded);
-  const double squared = static_cast<double>(median_of_positive(values));
-  return {2.0 * std::asin(std::min(1.0, 0.5 * std::sqrt(squared))) / kMedianOfNormal, folded};
+  const auto [median, largest] = median_and_largest(values);
+  if (largest < 0) return {};
+  const double squared = static_cast<double>(median);
+  return {2.0 * std::asin(std::min(1.0, 0.5 * std::sqrt(squared))) / kMedianOfNormal,
+          largest > static_cast<Real>(kFolded)};
 }
 
 /// The fields beyond those of a flow that moves in one pass.

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <mutex>
+#include <numeric>
 #include <utility>
 
 #include "core/spatial_order.h"
@@ -85,61 +86,60 @@ const EdgeTopology& TriangleMesh::edge_topology() const {
   return lazy_edges_->topology;
 }
 
-/// Numbers the fan of `start` as the next vertex: its corners get the number, its ring is written
-/// as corners (one at each neighbour), counter-clockwise from a boundary edge if there is one.
-void TriangleMesh::walk_fan(const CornerTable& corners, Index start) {
-  const auto vertex = static_cast<Index>(place_of_vertex_.size());
+/// Adds the fan of `start` as the next vertex: visit(corner) is called for its corners, its ring is
+/// written as neighbour(corner at the neighbour), counter-clockwise from a boundary edge if there
+/// is one.
+template <class Visit, class Neighbour>
+void TriangleMesh::add_fan(const CornerTable& corners, Index start, const Visit& visit,
+                           const Neighbour& neighbour) {
+  const auto go_round = [&](Index from) {
+    Index c = from;
+    Index last = c;
+    do {
+      visit(c);
+      rings_.items.push_back(neighbour(next_corner(c)));
+      last = c;
+      c = corners.counter_clockwise(c);
+    } while (c != kNoIndex && c != from);
+    if (c == kNoIndex) rings_.items.push_back(neighbour(previous_corner(last)));
+    return c;
+  };
   const std::size_t first = rings_.items.size();
-  Index c = walk_once(corners, start, vertex);
-  if (c == kNoIndex) {
+  const bool open = go_round(start) == kNoIndex;
+  if (open) {
     // An open fan begins at its other end.
     Index back = start;
     while ((back = corners.clockwise(start)) != kNoIndex) start = back;
     rings_.items.resize(first);
-    c = walk_once(corners, start, vertex);
+    go_round(start);
   }
-  boundary_vertex_.push_back(c == kNoIndex ? 1 : 0);
+  boundary_vertex_.push_back(open ? 1 : 0);
   rings_.offsets.push_back(static_cast<Index>(rings_.items.size()));
 }
 
-/// Goes round counter-clockwise from `start`. Returns it, or kNoIndex at a boundary.
-Index TriangleMesh::walk_once(const CornerTable& corners, Index start, Index vertex) {
-  Index c = start;
-  Index last = c;
-  do {
-    faces_[c / 3][c % 3] = vertex;
-    rings_.items.push_back(next_corner(c));
-    last = c;
-    c = corners.counter_clockwise(c);
-  } while (c != kNoIndex && c != start);
-  if (c == kNoIndex) rings_.items.push_back(previous_corner(last));
-  return c;
-}
-
-/// One vertex per place, if every place has one fan: the rule. Nothing is sorted then.
-bool TriangleMesh::make_single_fans(const CornerTable& corners,
-                                    const std::vector<Triangle>& place_faces,
-                                    std::size_t place_count) {
+/// Vertices are the places, if each has one fan and no more: the rule. Nothing is sorted then.
+bool TriangleMesh::places_are_vertices(const CornerTable& corners,
+                                       const std::vector<Triangle>& place_faces,
+                                       std::size_t place_count) {
+  const Index* const place_of = place_faces.data()->data();  // by corner
   std::vector<Index> first(place_count, kNoIndex);
-  for (auto f = static_cast<Index>(place_faces.size()); f-- > 0;) {
-    for (Index slot = 3; slot-- > 0;) first[place_faces[f][slot]] = 3 * f + slot;
-  }
-  std::size_t walked = 0;
-  for (Index p = 0; p < place_count; ++p) {
-    if (first[p] == kNoIndex) continue;
+  for (auto c = static_cast<Index>(3 * place_faces.size()); c-- > 0;) first[place_of[c]] = c;
+  std::size_t seen = 0;
+  for (const Index start : first) {
+    if (start == kNoIndex) return false;
     const std::size_t before = rings_.items.size();
-    walk_fan(corners, first[p]);
-    place_of_vertex_.push_back(p);
-    // A ring has one neighbour more than faces where it is open.
-    walked += rings_.items.size() - before - boundary_vertex_.back();
+    add_fan(
+        corners, start, [](Index /*corner*/) {},
+        [place_of](Index corner) { return place_of[corner]; });
+    // An open ring has one neighbour more than faces.
+    seen += rings_.items.size() - before - boundary_vertex_.back();
   }
-  return walked == 3 * place_faces.size();
+  return seen == 3 * place_faces.size();
 }
 
 /// One vertex per fan, in the order of places, then of corners.
-void TriangleMesh::make_all_fans(const CornerTable& corners,
-                                 const std::vector<Triangle>& place_faces,
-                                 std::size_t place_count) {
+void TriangleMesh::split_places(const CornerTable& corners,
+                                const std::vector<Triangle>& place_faces, std::size_t place_count) {
   const auto corner_count = static_cast<Index>(3 * place_faces.size());
   // Corners by place, each place's ascending: the walk starts at the first one not yet walked.
   std::vector<Index> end(place_count + 1, 0);
@@ -150,39 +150,44 @@ void TriangleMesh::make_all_fans(const CornerTable& corners,
   for (Index& e : end) sum = std::exchange(e, sum) + sum;
   std::vector<Index> at_place(corner_count);
   for (Index c = 0; c < corner_count; ++c) at_place[end[place_faces[c / 3][c % 3]]++] = c;
+  faces_.assign(place_faces.size(), {kNoIndex, kNoIndex, kNoIndex});
+  Index* const vertex_of = faces_.data()->data();  // by corner
   Index first = 0;
   for (Index p = 0; p < place_count; ++p) {
     std::size_t fans = 0;
     for (Index i = first; i < end[p]; ++i) {
-      const Index c = at_place[i];
-      if (faces_[c / 3][c % 3] != kNoIndex) continue;
-      walk_fan(corners, c);
+      if (vertex_of[at_place[i]] != kNoIndex) continue;
+      const auto vertex = static_cast<Index>(place_of_vertex_.size());
+      add_fan(
+          corners, at_place[i], [=](Index corner) { vertex_of[corner] = vertex; },
+          [](Index corner) { return corner; });
       place_of_vertex_.push_back(p);
       ++fans;
     }
     counts_.split += fans > 1 ? fans - 1 : 0;
     first = end[p];
   }
+  for (Index& item : rings_.items) item = vertex_of[item];
 }
 
-void TriangleMesh::make_vertices(const CornerTable& corners,
-                                 const std::vector<Triangle>& place_faces,
+void TriangleMesh::make_vertices(const CornerTable& corners, std::vector<Triangle> place_faces,
                                  std::size_t place_count) {
   const auto begin = [&] {
-    faces_.assign(place_faces.size(), {kNoIndex, kNoIndex, kNoIndex});
     rings_.items.clear();
     rings_.items.reserve(3 * place_faces.size() + 3 * place_faces.size() / 16);
     rings_.offsets.assign(1, 0);
     rings_.offsets.reserve(place_count + 1);
-    place_of_vertex_.clear();
     boundary_vertex_.clear();
   };
   begin();
-  if (!make_single_fans(corners, place_faces, place_count)) {
-    begin();
-    make_all_fans(corners, place_faces, place_count);
+  if (places_are_vertices(corners, place_faces, place_count)) {
+    faces_ = std::move(place_faces);
+    place_of_vertex_.resize(place_count);
+    std::iota(place_of_vertex_.begin(), place_of_vertex_.end(), Index{0});
+    return;
   }
-  for (Index& item : rings_.items) item = faces_[item / 3][item % 3];
+  begin();
+  split_places(corners, place_faces, place_count);
 }
 
 void TriangleMesh::map_back(const IndexedMesh& source, std::size_t place_count) {
@@ -245,7 +250,7 @@ Result<TriangleMesh> TriangleMesh::build_welded(const IndexedMesh& source, Weld 
   }
   mesh.counts_.boundary_edges = static_cast<std::size_t>(
       std::count(corners.opposite.begin(), corners.opposite.end(), kNoIndex));
-  mesh.make_vertices(corners, faces, weld.count);
+  mesh.make_vertices(corners, std::move(faces), weld.count);
   mesh.lazy_edges_->corners = std::move(corners);
   mesh.map_back(source, weld.count);
   mesh.mean_edge_length_ = fairway::mean_edge_length(mesh, mesh.positions_);

@@ -86,15 +86,16 @@ class TriangleMesh {
 
   TriangleMesh();
   const EdgeTopology& edge_topology() const;
-  void make_vertices(const CornerTable& corners, const std::vector<Triangle>& place_faces,
+  void make_vertices(const CornerTable& corners, std::vector<Triangle> place_faces,
                      std::size_t place_count);
-  bool make_single_fans(const CornerTable& corners, const std::vector<Triangle>& place_faces,
-                        std::size_t place_count);
-  void make_all_fans(const CornerTable& corners, const std::vector<Triangle>& place_faces,
-                     std::size_t place_count);
+  bool places_are_vertices(const CornerTable& corners, const std::vector<Triangle>& place_faces,
+                           std::size_t place_count);
+  void split_places(const CornerTable& corners, const std::vector<Triangle>& place_faces,
+                    std::size_t place_count);
+  template <class Visit, class Neighbour>
+  void add_fan(const CornerTable& corners, Index start, const Visit& visit,
+               const Neighbour& neighbour);
   static Result<TriangleMesh> build_welded(const IndexedMesh& source, Weld weld);
-  void walk_fan(const CornerTable& corners, Index start);
-  Index walk_once(const CornerTable& corners, Index start, Index vertex);
   void map_back(const IndexedMesh& source, std::size_t place_count);
   bool all_faces_flat() const;
 

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "proto/formats/finite.h"
 #include "proto/formats/gltf_accessor.h"
 #include "proto/formats/gltf_extensions.h"
 #include "proto/formats/gltf_meshopt.h"
@@ -27,10 +28,8 @@ using Accessor = std::optional<std::size_t>;
 
 /// The first position that is not finite.
 std::optional<std::size_t> first_not_finite(std::span<const Vec3> positions) {
-  // 0 · x is 0 for finite numbers alone; the sum is a loop without branches.
-  Vec3 zero = Vec3::Zero();
-  for (const Vec3& p : positions) zero += 0.0 * p;
-  if (zero.isZero(0.0)) return std::nullopt;
+  if (positions.empty()) return std::nullopt;
+  if (all_finite({positions.data()->data(), 3 * positions.size()})) return std::nullopt;
   const auto at = std::find_if_not(positions.begin(), positions.end(),
                                    [](const Vec3& p) { return p.allFinite(); });
   return static_cast<std::size_t>(at - positions.begin());

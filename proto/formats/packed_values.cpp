@@ -51,20 +51,32 @@ class Packer {
 };
 
 void find_bounds(std::span<const float> values, PackedValues& out) {
-  const auto components = static_cast<std::size_t>(out.components);
+  // Twelve numbers at a time are whole elements of one to four components, and whole registers.
+  constexpr std::size_t kPeriod = 12;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  std::array<float, 4> least;
-  std::array<float, 4> most;
+  std::array<float, kPeriod> least;
+  std::array<float, kPeriod> most;
   least.fill(kInfinity);
   most.fill(-kInfinity);
-  for (std::size_t i = 0; i + components <= values.size(); i += components) {
-    for (std::size_t c = 0; c < components; ++c) {
-      least[c] = std::min(least[c], values[i + c]);
-      most[c] = std::max(most[c], values[i + c]);
-    }
+  const auto look = [&](std::size_t i, std::size_t phase) {
+    const float v = values[i];
+    least[phase] = v < least[phase] ? v : least[phase];
+    most[phase] = v > most[phase] ? v : most[phase];
+  };
+  std::size_t i = 0;
+  for (; i + kPeriod <= values.size(); i += kPeriod) {
+    for (std::size_t phase = 0; phase < kPeriod; ++phase) look(i + phase, phase);
   }
+  for (std::size_t phase = 0; i < values.size(); ++phase, ++i) look(i, phase);
+  const auto components = static_cast<std::size_t>(out.components);
   out.min.assign(least.begin(), least.begin() + out.components);
   out.max.assign(most.begin(), most.begin() + out.components);
+  for (std::size_t phase = components; phase < kPeriod; ++phase) {
+    double& low = out.min[phase % components];
+    double& high = out.max[phase % components];
+    low = std::min(low, static_cast<double>(least[phase]));
+    high = std::max(high, static_cast<double>(most[phase]));
+  }
 }
 
 ComponentType index_type(Index vertex_count, ComponentType least) {
