@@ -35,6 +35,19 @@ double mixed_share(const Vec3& p, const Vec3& q, const Vec3& r, double area) {
   return ((q - p).squaredNorm() * at_r + (r - p).squaredNorm() * at_q) / (8.0 * twice);
 }
 
+/// A vector of two surfaces side by side: what is computed of both takes one register.
+struct BeforeAndAfter {
+  Eigen::Array2d x, y, z;
+};
+
+BeforeAndAfter operator-(const BeforeAndAfter& a, const BeforeAndAfter& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+BeforeAndAfter cross(const BeforeAndAfter& a, const BeforeAndAfter& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
 }  // namespace
 
 double mean_edge_length(const TriangleMesh& mesh, std::span<const Vec3> positions) {
@@ -126,27 +139,26 @@ double enclosed_volume(const TriangleMesh& mesh, std::span<const Vec3> positions
 
 SurfaceChange surface_change(const TriangleMesh& mesh, std::span<const Vec3> before,
                              std::span<const Vec3> after, double smallest_area) {
-  SurfaceChange out;
   const double smallest_normal = 2.0 * smallest_area;
-  double six_before = 0.0;
-  double six_after = 0.0;
+  const auto at = [before, after](Index v) {
+    const Vec3& p = before[v];
+    const Vec3& q = after[v];
+    return BeforeAndAfter{{p.x(), q.x()}, {p.y(), q.y()}, {p.z(), q.z()}};
+  };
+  Eigen::Array2d six_volumes = Eigen::Array2d::Zero();
+  Eigen::Array2d areas = Eigen::Array2d::Zero();
+  std::size_t flipped = 0;
   for (const auto& [a, b, c] : mesh.faces()) {
-    const auto normal = [&, a = a, b = b, c = c](std::span<const Vec3> x, double& six,
-                                                 double& area) {
-      const Vec3 normal = (x[b] - x[a]).cross(x[c] - x[a]);
-      six += x[a].dot(normal);
-      const double twice_area = normal.norm();
-      const bool present = twice_area > smallest_normal;
-      area += present ? 0.5 * twice_area : 0.0;
-      return present ? normal : Vec3(Vec3::Zero());
-    };
-    const Vec3 old_normal = normal(before, six_before, out.area_before);
-    const Vec3 new_normal = normal(after, six_after, out.area_after);
-    out.flipped_faces += old_normal.dot(new_normal) < 0.0 ? 1U : 0U;
+    const BeforeAndAfter p = at(a);
+    const BeforeAndAfter n = cross(at(b) - p, at(c) - p);
+    six_volumes += p.x * n.x + p.y * n.y + p.z * n.z;
+    const Eigen::Array2d twice_area = (n.x * n.x + n.y * n.y + n.z * n.z).sqrt();
+    const bool present[] = {twice_area[0] > smallest_normal, twice_area[1] > smallest_normal};
+    areas += Eigen::Array2d(present[0] ? twice_area[0] : 0.0, present[1] ? twice_area[1] : 0.0);
+    const double turn = n.x[0] * n.x[1] + n.y[0] * n.y[1] + n.z[0] * n.z[1];
+    flipped += present[0] && present[1] && turn < 0.0 ? 1U : 0U;
   }
-  out.volume_before = six_before / 6.0;
-  out.volume_after = six_after / 6.0;
-  return out;
+  return {six_volumes[0] / 6.0, six_volumes[1] / 6.0, areas[0] / 2.0, areas[1] / 2.0, flipped};
 }
 
 double angle_at(const Vec3& at, const Vec3& a, const Vec3& b) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "proto/formats/gltf_accessor.h"
 #include "proto/formats/gltf_extensions.h"
@@ -58,7 +59,7 @@ class PrimitiveCompressor {
   bool add_plain();
   bool order_is_free();
   std::size_t label(const std::string& name, const DracoPart& part, std::uint64_t count);
-  void write(const DracoStream& stream);
+  void write(DracoStream stream);
 
   const DracoPatchSource& from_;
   const SurfacePrimitive& primitive_;
@@ -176,7 +177,7 @@ std::size_t PrimitiveCompressor::label(const std::string& name, const DracoPart&
   return output_.label(old, shape, Bounds::stated);
 }
 
-void PrimitiveCompressor::write(const DracoStream& stream) {
+void PrimitiveCompressor::write(DracoStream stream) {
   const std::size_t view = output_.add_stream(std::move(stream.bytes));
   Json attributes = Json::object();
   for (std::size_t i = 0; i < parts_.size(); ++i) {
@@ -212,10 +213,10 @@ Result<void> PrimitiveCompressor::run() {
   source.points = block_.count;
   // Lent to the encoder; the labels need them afterwards.
   source.parts = std::move(parts_);
-  const auto stream = encode_draco(source, from_.options.level, order);
+  auto stream = encode_draco(source, from_.options.level, order);
   parts_ = std::move(source.parts);
   if (!stream) return stream.error();
-  write(*stream);
+  write(*std::move(stream));
   return {};
 }
 

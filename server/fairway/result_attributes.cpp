@@ -17,19 +17,19 @@ float to_float(double value) {
 /// Values of surface vertices as those of source vertices; 0 where `vertex` has none.
 VertexAttribute scalar_attribute(CurvatureKind kind, const std::vector<double>& values,
                                  std::span<const Index> vertex) {
-  VertexAttribute out{std::string(attribute_name(kind)), 1, {}};
-  out.values.reserve(vertex.size());
-  for (const Index v : vertex) out.values.push_back(v == kNoIndex ? 0.0F : to_float(values[v]));
+  VertexAttribute out{std::string(attribute_name(kind)), 1, std::vector<float>(vertex.size())};
+  std::transform(vertex.begin(), vertex.end(), out.values.begin(),
+                 [&values](Index v) { return v == kNoIndex ? 0.0F : to_float(values[v]); });
   return out;
 }
 
 VertexAttribute vector_attribute(CurvatureKind kind, const std::vector<Vec3>& values,
                                  std::span<const Index> vertex) {
-  VertexAttribute out{std::string(attribute_name(kind)), 3, {}};
-  out.values.reserve(3 * vertex.size());
+  VertexAttribute out{std::string(attribute_name(kind)), 3, std::vector<float>(3 * vertex.size())};
+  float* to = out.values.data();
   for (const Index v : vertex) {
     const Vec3 value = v == kNoIndex ? Vec3(Vec3::Zero()) : values[v];
-    for (const double c : {value.x(), value.y(), value.z()}) out.values.push_back(to_float(c));
+    for (const double c : {value.x(), value.y(), value.z()}) *to++ = to_float(c);
   }
   return out;
 }
