@@ -2,6 +2,7 @@
 
 #include "proto/formats/document.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -20,16 +21,20 @@ constexpr double kLeastSteps = 16.0;
 /// In files that hold single precision: far from the origin a small mesh collapses in it, and no
 /// flow could write anything better back.
 bool collapses_in_floats(const IndexedMesh& mesh) {
-  Vec3 low = mesh.positions.front();
-  Vec3 high = low;
-  for (const Vec3& position : mesh.positions) {
-    low = low.cwiseMin(position);
-    high = high.cwiseMax(position);
+  constexpr std::size_t kFew = 256;
+  Eigen::AlignedBox3d box;
+  const auto steps = [&box] {
+    const double farthest =
+        std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+    return box.diagonal().norm() / std::ldexp(farthest, -23);
+  };
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    box.extend(mesh.positions[i]);
+    // Whatever else comes: twice as far from the origin, the box would be as large as half of that.
+    if (i == kFew && steps() >= 2.0 * kLeastSteps) return false;
   }
-  const double farthest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
-  const double extent = (high - low).norm();
   // A mesh that is one point has no triangles either, which is another answer.
-  return extent > 0.0 && extent < kLeastSteps * std::ldexp(farthest, -23);
+  return !box.diagonal().isZero(0.0) && steps() < kLeastSteps;
 }
 
 Result<std::unique_ptr<Document>> decode_format(std::span<const std::byte> bytes, Format format,

@@ -1,8 +1,12 @@
 // Numbers in a glTF that lie: each is refused before it is believed.
 
+#include <optional>
+
 #include <catch2/catch.hpp>
 
+#include "core/shapes.h"
 #include "proto/formats/document.h"
+#include "proto/formats/fresh_mesh.h"
 #include "proto/formats/gltf_scene.h"
 #include "tests/formats/sample_glb.h"
 
@@ -158,4 +162,20 @@ TEST_CASE("a small file cannot make a large mesh by repeating itself") {
   const auto document = decode(shared.glb(), Format::glb);
   REQUIRE_FALSE(document);
   CHECK(document.error().code == ErrorCode::invalid_mesh);
+}
+
+TEST_CASE("a mesh that collapses in single precision is refused, however many vertices it has") {
+  const auto code_at = [](double away, Index n) -> std::optional<ErrorCode> {
+    Surface surface;
+    surface.mesh = torus(2 * n, n, 1.0, 0.4);
+    for (Vec3& p : surface.mesh.positions) p.x() += away;
+    const auto file = write_fresh_mesh(surface, {}, Format::glb, {});
+    REQUIRE(file);
+    const auto document = decode(file->bytes, Format::glb);
+    return document ? std::optional<ErrorCode>() : document.error().code;
+  };
+  for (const Index n : {8U, 40U}) {
+    CHECK(code_at(1e4, n) == std::nullopt);
+    CHECK(code_at(5e6, n) == ErrorCode::invalid_mesh);
+  }
 }
