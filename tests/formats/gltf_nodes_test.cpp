@@ -21,7 +21,7 @@ WorldScale scale_in(const std::string& nodes, const std::string& animations = "[
 void check_scale(const std::string& nodes, double scale) {
   const WorldScale found = scale_in(nodes);
   INFO(nodes);
-  CHECK(found.why_none == "");
+  CHECK(found.why_none.empty());
   CHECK(found.value == Approx(scale).epsilon(1e-9));
 }
 
@@ -57,23 +57,23 @@ TEST_CASE("what has no single uniform scale says why") {
   const std::string nodes = R"([{"children":[1]},{"mesh":0}])";
   CHECK(why(nodes, R"([{"channels":[{"target":{"node":0,"path":"scale"}}]}])") ==
         "its scale is animated");
-  CHECK(why(nodes, R"([{"channels":[{"target":{"node":0,"path":"rotation"}}]}])") == "");
+  CHECK(why(nodes, R"([{"channels":[{"target":{"node":0,"path":"rotation"}}]}])").empty());
   const auto pointer = [&](const std::string& text) {
     return why(nodes, R"([{"channels":[{"target":{"path":"pointer","extensions":
         {"KHR_animation_pointer":{"pointer":")" +
                           text + R"("}}}}]}])");
   };
   CHECK(pointer("/nodes/1/scale") == "its scale is animated");
-  CHECK(pointer("/nodes/1/translation") == "");
-  CHECK(pointer("/nodes/scale") == "");
-  CHECK(pointer("/nodes/9/scale") == "");
+  CHECK(pointer("/nodes/1/translation").empty());
+  CHECK(pointer("/nodes/scale").empty());
+  CHECK(pointer("/nodes/9/scale").empty());
 }
 
 TEST_CASE("animations that are none are no trouble") {
   for (const char* text : {"3", "[3]", R"([{"channels":7}])", R"([{"channels":[{"target":1}]}])",
                            R"([{"channels":[{"target":{"path":2}}]}])",
                            R"([{"channels":[{"target":{"path":"scale","node":-1}}]}])"}) {
-    CHECK(scale_in(R"([{"mesh":0}])", text).why_none == "");
+    CHECK(scale_in(R"([{"mesh":0}])", text).why_none.empty());
   }
 }
 
