@@ -9,7 +9,10 @@
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/targets.h"
 
+// The names are the library's.
+// NOLINTBEGIN(readability-identifier-naming)
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
+// NOLINTEND(readability-identifier-naming)
 
 namespace fairway::test {
 namespace {
@@ -60,6 +63,7 @@ const FuzzTarget& chosen_target() {
 }  // namespace
 }  // namespace fairway::test
 
+// NOLINTBEGIN(readability-identifier-naming)
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace fairway;
   static const test::FuzzTarget& target = test::chosen_target();
@@ -81,3 +85,4 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
   std::memcpy(data, out.data(), out.size());
   return out.size();
 }
+// NOLINTEND(readability-identifier-naming)

@@ -32,6 +32,7 @@ SampleGlb scene_of(const std::vector<IndexedMesh>& meshes) {
   sample.json["nodes"] = Json::array();
   for (const IndexedMesh& mesh : meshes) {
     std::vector<std::array<float, 3>> positions;
+    positions.reserve(mesh.positions.size());
     for (const Vec3& p : mesh.positions) {
       positions.push_back(
           {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
