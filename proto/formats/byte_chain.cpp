@@ -6,19 +6,31 @@
 namespace fairway {
 
 void ByteChain::append_view(ByteSpan bytes) {
+  if (bytes.empty()) return;
   pieces_.push_back(bytes);
   size_ += bytes.size();
 }
 
 void ByteChain::append(std::vector<std::byte> bytes) {
-  owned_.push_back(std::move(bytes));
-  append_view(owned_.back());
+  const auto owner = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+  append_view(*owner);
+  keep(owner);
+}
+
+void ByteChain::append(std::string text) {
+  const auto owner = std::make_shared<const std::string>(std::move(text));
+  append_view(as_bytes(*owner));
+  keep(owner);
+}
+
+void ByteChain::append(const ByteChain& chain) {
+  for (const ByteSpan piece : chain.pieces_) append_view(piece);
+  owners_.insert(owners_.end(), chain.owners_.begin(), chain.owners_.end());
 }
 
 void ByteChain::align_to_four() {
   static constexpr std::array<std::byte, 3> kZeros{};
-  const std::size_t missing = (4 - size_ % 4) % 4;
-  if (missing > 0) append_view(ByteSpan(kZeros).first(missing));
+  append_view(ByteSpan(kZeros).first((4 - size_ % 4) % 4));
 }
 
 std::vector<std::byte> ByteChain::joined() const {

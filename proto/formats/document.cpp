@@ -48,6 +48,12 @@ Result<std::unique_ptr<Document>> decode_format(std::span<const std::byte> bytes
 
 }  // namespace
 
+Encoded unchanged(ByteSpan bytes) {
+  Encoded out;
+  out.bytes.append_view(bytes);
+  return out;
+}
+
 std::string counted(std::size_t count, std::string_view name) {
   if (count == 1) return fmt::format("1 {}", name);
   // The noun stands first: "primitives of points", "choices of a material".
@@ -61,7 +67,7 @@ Result<std::vector<std::byte>> Document::encode(std::span<const SurfaceResult> r
                                                 Format format) const {
   auto out = write(results, format, {});
   if (!out) return out.error();
-  return std::move(out->bytes);
+  return out->bytes.joined();
 }
 
 Result<std::unique_ptr<Document>> decode(std::span<const std::byte> bytes, Format format,

@@ -10,6 +10,7 @@
 
 #include "core/mesh.h"
 #include "core/result.h"
+#include "proto/formats/byte_chain.h"
 #include "proto/formats/side_files.h"
 #include "proto/formats/vertex_colors.h"
 #include "proto/messages/encoding.h"
@@ -67,11 +68,15 @@ struct SurfaceResult {
   bool colors_vertices(bool has_colors) const { return colors && (colors->replace || !has_colors); }
 };
 
-/// A written file.
+/// A written file. Its bytes refer to the document, to the bytes it was decoded from and to the
+/// results in it, which must outlive them.
 struct Encoded {
-  std::vector<std::byte> bytes;
+  ByteChain bytes;
   std::vector<std::string> notes;  ///< sentences for the job's notes: errors of quantisation …
 };
+
+/// A file as it came.
+Encoded unchanged(ByteSpan bytes);
 
 /// "1 mesh", "3 meshes": English plurals of what files count.
 std::string counted(std::size_t count, std::string_view name);

@@ -95,7 +95,7 @@ Result<Encoded> DracoDocument::write_draco(const SurfaceResult& result,
   const DracoAttribute* old_color = mesh_.find(DracoKind::color);
   const bool colors = result.colors_vertices(old_color != nullptr);
   if (result.untouched || (!result.moved && result.attributes.empty() && !colors)) {
-    return Encoded{{source_.begin(), source_.end()}, {}};
+    return unchanged(source_);
   }
   const Surface& surface = surfaces_.front();
   const std::vector<Vec3>& positions = result.moved ? result.positions : surface.mesh.positions;
@@ -127,7 +127,7 @@ Result<Encoded> DracoDocument::write_draco(const SurfaceResult& result,
   auto stream =
       encode_draco(source, options.level, options.keep_order ? DracoOrder::kept : DracoOrder::free);
   if (!stream) return stream.error();
-  return Encoded{std::move(stream->bytes),
+  return Encoded{ByteChain(std::move(stream->bytes)),
                  {describe_surface(surface.name, grids, result.attributes)}};
 }
 

@@ -140,7 +140,7 @@ Result<Encoded> write_fresh_draco(const Surface& surface, const SurfaceResult& r
   auto stream =
       encode_draco(source, options.level, options.keep_order ? DracoOrder::kept : DracoOrder::free);
   if (!stream) return stream.error();
-  return Encoded{std::move(stream->bytes),
+  return Encoded{ByteChain(std::move(stream->bytes)),
                  {describe_surface(surface.name, grids, result.attributes)}};
 }
 

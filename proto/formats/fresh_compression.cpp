@@ -136,7 +136,7 @@ Result<Encoded> write_fresh_gltf(const FreshMesh& mesh, Format format, const Enc
   if (!draco && encoding.compression != Compression::meshopt) {
     auto bytes = write_fresh_gltf(mesh, format);
     if (!bytes) return bytes.error();
-    return Encoded{*std::move(bytes), {}};
+    return Encoded{ByteChain(*std::move(bytes)), {}};
   }
   const GltfBinary binary = empty_binary();
   GltfOutput output(empty_document(), binary, format);

@@ -192,7 +192,7 @@ Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& re
   if (!is_shape(format)) return write_gltf(parts, format, encoding, surface.name);
   auto bytes = write_shape(parts, format);
   if (!bytes) return bytes.error();
-  return Encoded{*std::move(bytes), {}};
+  return Encoded{ByteChain(*std::move(bytes)), {}};
 }
 
 Result<Encoded> convert(const Document& document, std::span<const SurfaceResult> results,
@@ -218,7 +218,7 @@ Result<std::vector<std::byte>> convert(const Document& document,
                                        Format wanted) {
   auto out = convert(document, results, Conversion{came, wanted});
   if (!out) return out.error();
-  return std::move(out->bytes);
+  return out->bytes.joined();
 }
 
 std::vector<std::string> conversion_notes(const Document& document,

@@ -61,13 +61,19 @@ std::string_view without_padding(std::string_view json) {
   return json.substr(0, end == std::string_view::npos ? 0 : end + 1);
 }
 
-void append_chunk(std::uint32_t type, const ByteChain& data, std::byte fill,
-                  std::vector<std::byte>& out) {
-  const std::size_t padded = (data.size() + 3) / 4 * 4;
-  append_value(out, static_cast<std::uint32_t>(padded));
+std::vector<std::byte> chunk_header(std::uint32_t type, std::uint64_t size) {
+  std::vector<std::byte> out;
+  append_value(out, static_cast<std::uint32_t>(size));
   append_value(out, type);
-  for (const ByteSpan piece : data.pieces()) append(out, piece);
-  align_to_four(out, fill);
+  return out;
+}
+
+std::vector<std::byte> file_header(std::uint64_t size) {
+  std::vector<std::byte> out;
+  append_value(out, kMagic);
+  append_value(out, std::uint32_t{2});
+  append_value(out, static_cast<std::uint32_t>(size));
+  return out;
 }
 
 }  // namespace
@@ -96,34 +102,35 @@ Result<GlbParts> parse_glb(ByteSpan bytes) {
   return parts;
 }
 
-Result<std::vector<std::byte>> build_glb(std::string_view json, const ByteChain* bin,
-                                         ByteSpan other_chunks) {
+Result<ByteChain> build_glb(std::string json, const ByteChain* bin, ByteSpan other_chunks) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
-  const std::uint64_t bin_size = bin != nullptr ? bin->size() + kChunkHeaderSize + 3 : 0;
-  const std::uint64_t size =
-      kHeaderSize + kChunkHeaderSize + json.size() + 3 + bin_size + other_chunks.size();
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const std::uint64_t bin_size = bin != nullptr ? (bin->size() + 3) / 4 * 4 : 0;
+  const std::uint64_t size = kHeaderSize + kChunkHeaderSize + json.size() +
+                             (bin != nullptr ? kChunkHeaderSize + bin_size : 0) +
+                             other_chunks.size();
   if (size > kMost) {
     return Error{ErrorCode::too_large, "The result does not fit in a GLB of 4 GiB."};
   }
-  std::vector<std::byte> out;
-  out.reserve(static_cast<std::size_t>(size));
-  append_value(out, kMagic);
-  append_value(out, std::uint32_t{2});
-  append_value(out, std::uint32_t{0});
-  ByteChain text;
-  text.append_view(as_bytes(json));
-  append_chunk(kJsonChunk, text, std::byte{' '}, out);
-  if (bin != nullptr) append_chunk(kBinChunk, *bin, std::byte{0}, out);
-  append(out, other_chunks);
-  const auto total = static_cast<std::uint32_t>(out.size());
-  std::memcpy(out.data() + 2 * sizeof total, &total, sizeof total);
+  ByteChain out(file_header(size));
+  out.append(chunk_header(kJsonChunk, json.size()));
+  out.append(std::move(json));
+  if (bin != nullptr) {
+    out.append(chunk_header(kBinChunk, bin_size));
+    out.append(*bin);
+    out.align_to_four();
+  }
+  out.append_view(other_chunks);
   return out;
 }
 
 Result<std::vector<std::byte>> build_glb(const GlbParts& parts) {
   ByteChain bin;
   if (parts.bin) bin.append_view(*parts.bin);
-  return build_glb(parts.json, parts.bin ? &bin : nullptr, parts.other_chunks);
+  const auto out =
+      build_glb(std::string(parts.json), parts.bin ? &bin : nullptr, parts.other_chunks);
+  if (!out) return out.error();
+  return out->joined();
 }
 
 }  // namespace fairway

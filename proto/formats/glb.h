@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,10 +22,10 @@ struct GlbParts {
 /// the end), unsupported_format (other magic, other version).
 Result<GlbParts> parse_glb(ByteSpan bytes);
 
-/// Joins parts to a file; the JSON chunk is padded with spaces, BIN (none if null) with zeros.
-/// Error: too_large beyond the 4 GiB of the format.
-Result<std::vector<std::byte>> build_glb(std::string_view json, const ByteChain* bin,
-                                         ByteSpan other_chunks);
+/// Chains parts to a file; the JSON chunk is padded with spaces, BIN (none if null) with zeros.
+/// What `bin` and `other_chunks` refer to must outlive it. Error: too_large beyond the 4 GiB of the
+/// format.
+Result<ByteChain> build_glb(std::string json, const ByteChain* bin, ByteSpan other_chunks);
 Result<std::vector<std::byte>> build_glb(const GlbParts& parts);
 
 }  // namespace fairway

@@ -3,7 +3,11 @@
 
 #include "proto/formats/gltf_accessor.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
+
+#include "proto/formats/finite.h"
 
 namespace fairway {
 namespace {
@@ -70,6 +74,47 @@ Result<void> read_into(const GltfTables& tables, std::size_t index, std::span<T>
   return accessor.sparse ? apply_sparse(tables, index, out) : Result<void>();
 }
 
+/// An accessor with a view, read by and by: what is done to a block right after it was read finds
+/// it in the cache.
+class Blocks {
+ public:
+  static Result<Blocks> open(const GltfTables& tables, const GltfAccessor& accessor) {
+    auto from = elements(tables, *accessor.view, accessor.offset, accessor.element_size);
+    if (!from) return from.error();
+    from->components = static_cast<std::size_t>(accessor.components);
+    return Blocks(accessor, *from);
+  }
+
+  bool done() const { return next_ == count_; }
+  /// Numbers read once the next block is.
+  std::size_t end_of_next() const { return (next_ + block_size()) * from_.components; }
+
+  /// Reads the next block to its place in `all`, which this returns.
+  template <class T>
+  std::span<T> read_next(std::span<T> all) {
+    from_.count = block_size();
+    const auto out = all.subspan(next_ * from_.components, from_.count * from_.components);
+    read_components(type_, from_, out.data());
+    from_.first += from_.count * from_.stride;
+    next_ += from_.count;
+    return out;
+  }
+
+ private:
+  /// A multiple of three: blocks of indices are whole triangles.
+  static constexpr std::size_t kElements = 1536;
+
+  Blocks(const GltfAccessor& accessor, const StridedElements& from)
+      : type_(accessor.type), count_(static_cast<std::size_t>(accessor.count)), from_(from) {}
+
+  std::size_t block_size() const { return std::min(kElements, count_ - next_); }
+
+  ComponentType type_;
+  std::size_t count_;
+  std::size_t next_ = 0;
+  StridedElements from_;
+};
+
 template <class T>
 Result<std::vector<T>> read_all(const GltfTables& tables, std::size_t index) {
   const auto count = number_count(tables, index);
@@ -104,19 +149,31 @@ Result<std::vector<double>> read_values(const GltfTables& tables, std::size_t in
   return out;
 }
 
-Result<void> append_vectors(const GltfTables& tables, std::size_t index, std::vector<Vec3>& out) {
+Result<bool> append_vectors(const GltfTables& tables, std::size_t index, std::vector<Vec3>& out) {
+  const GltfAccessor& accessor = tables.accessors[index];
   const auto count = number_count(tables, index);
   if (!count) return count.error();
   const std::size_t before = out.size();
-  if (tables.accessors[index].view) {
+  if (accessor.view) {
     out.resize(before + *count / 3);
   } else {
     out.resize(before + *count / 3, Vec3::Zero());
   }
   const std::span<double> numbers(out.data()->data() + 3 * before, *count);
-  if (auto done = read_into(tables, index, numbers); !done) return done;
-  decode_normalized(tables.accessors[index], numbers);
-  return {};
+  bool finite = true;
+  const auto finish = [&](std::span<double> read) {
+    decode_normalized(accessor, read);
+    finite &= all_finite(read);
+  };
+  if (accessor.view && !accessor.sparse) {
+    auto blocks = Blocks::open(tables, accessor);
+    if (!blocks) return blocks.error();
+    while (!blocks->done()) finish(blocks->read_next(numbers));
+    return finite;
+  }
+  if (auto done = read_into(tables, index, numbers); !done) return done.error();
+  finish(numbers);
+  return finite;
 }
 
 Result<std::vector<Index>> read_indices(const GltfTables& tables, std::size_t index) {
@@ -128,7 +185,20 @@ Result<std::vector<Triangle>> read_index_triples(const GltfTables& tables, std::
   if (auto done = check_indices(tables.accessors[index], index); !done) return done.error();
   const auto count = number_count(tables, index);
   if (!count) return count.error();
-  std::vector<Triangle> out(*count / 3);
+  const GltfAccessor& accessor = tables.accessors[index];
+  std::vector<Triangle> out;
+  if (accessor.view && !accessor.sparse) {
+    auto blocks = Blocks::open(tables, accessor);
+    if (!blocks) return blocks.error();
+    out.reserve(*count / 3);
+    while (!blocks->done()) {
+      // Grows with the blocks, so that its zeros are still in the cache when they are written over.
+      out.resize(std::min(*count, blocks->end_of_next()) / 3);
+      blocks->read_next(std::span<Index>(out.data()->data(), 3 * out.size()));
+    }
+    return out;
+  }
+  out.resize(*count / 3);
   const std::span<Index> numbers(out.data()->data(), *count);
   if (auto done = read_into(tables, index, numbers); !done) return done.error();
   return out;

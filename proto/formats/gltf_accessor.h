@@ -11,8 +11,9 @@ namespace fairway {
 /// invalid_mesh, unsupported_feature.
 Result<std::vector<double>> read_values(const GltfTables& tables, std::size_t accessor);
 
-/// Appends the elements of a VEC3 in the same way, without an intermediate copy.
-Result<void> append_vectors(const GltfTables& tables, std::size_t accessor, std::vector<Vec3>& out);
+/// Appends the elements of a VEC3 in the same way, without an intermediate copy. Returns whether
+/// they are finite.
+Result<bool> append_vectors(const GltfTables& tables, std::size_t accessor, std::vector<Vec3>& out);
 
 /// The same as they are stored: integers stay integers.
 Result<std::vector<double>> read_stored(const GltfTables& tables, std::size_t accessor);

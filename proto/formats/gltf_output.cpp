@@ -220,7 +220,7 @@ void GltfOutput::close_fallback() {
   require_extension(meshopt_extension_, json_);
 }
 
-Result<std::vector<std::byte>> GltfOutput::finish() {
+Result<ByteChain> GltfOutput::finish() {
   embed_side_files();
   ByteChain old_bin;
   if (extends_first_) {
@@ -230,14 +230,15 @@ Result<std::vector<std::byte>> GltfOutput::finish() {
     if (binary_.bin) old_bin.append_view(*binary_.bin);
   }
   close_fallback();
-  const std::string text = dump_json(json_);
+  std::string text = dump_json(json_);
   if (format_ == Format::glb) {
     const bool has_bin = extends_first_ || binary_.bin;
     const ByteChain& bin = extends_first_ ? data_ : old_bin;
-    return build_glb(text, has_bin ? &bin : nullptr, binary_.other_chunks);
+    return build_glb(std::move(text), has_bin ? &bin : nullptr, binary_.other_chunks);
   }
-  const ByteSpan bytes = as_bytes(text);
-  return std::vector<std::byte>(bytes.begin(), bytes.end());
+  ByteChain out;
+  out.append(std::move(text));
+  return out;
 }
 
 }  // namespace fairway

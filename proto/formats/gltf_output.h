@@ -67,8 +67,8 @@ class GltfOutput {
   /// Appends bytes that only an extension understands; returns their view.
   std::size_t add_stream(std::vector<std::byte> bytes);
 
-  /// The file. Error: too_large.
-  Result<std::vector<std::byte>> finish();
+  /// The file, which refers to `binary` and to what values borrow. Error: too_large.
+  Result<ByteChain> finish();
 
  private:
   Json& add_view_of(std::size_t size);

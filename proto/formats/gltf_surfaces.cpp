@@ -26,13 +26,11 @@ constexpr std::uint64_t kSharesOfDecoded = 8;
 
 using Accessor = std::optional<std::size_t>;
 
-/// The first position that is not finite.
-std::optional<std::size_t> first_not_finite(std::span<const Vec3> positions) {
-  if (positions.empty()) return std::nullopt;
-  if (all_finite({positions.data()->data(), 3 * positions.size()})) return std::nullopt;
-  const auto at = std::find_if_not(positions.begin(), positions.end(),
-                                   [](const Vec3& p) { return p.allFinite(); });
-  return static_cast<std::size_t>(at - positions.begin());
+/// The first position that is not finite; one is.
+std::ptrdiff_t first_not_finite(std::span<const Vec3> positions) {
+  return std::find_if_not(positions.begin(), positions.end(),
+                          [](const Vec3& p) { return p.allFinite(); }) -
+         positions.begin();
 }
 
 /// Appends triangles whose vertices are counted from `first`.
@@ -62,7 +60,7 @@ class SurfaceGatherer {
                                Surface& surface, SurfacePlan& plan);
   Result<void> read_block(const JsonPlace& place, const TriangleSource& source,
                           const VertexBlock& block, Surface& surface);
-  Result<void> append_positions(const TriangleSource& source, std::size_t accessor,
+  Result<bool> append_positions(const TriangleSource& source, std::size_t accessor,
                                 std::vector<Vec3>& out) const;
   Result<std::vector<double>> read_attribute(const TriangleSource& source, std::string_view name,
                                              std::size_t accessor) const;
@@ -153,7 +151,8 @@ Result<std::vector<double>> SurfaceGatherer::read_attribute(const TriangleSource
   return read_values(tables_, accessor);
 }
 
-Result<void> SurfaceGatherer::append_positions(const TriangleSource& source, std::size_t accessor,
+/// Returns whether they are finite.
+Result<bool> SurfaceGatherer::append_positions(const TriangleSource& source, std::size_t accessor,
                                                std::vector<Vec3>& out) const {
   if (!source.draco) return append_vectors(tables_, accessor, out);
   const auto numbers = read_attribute(source, "POSITION", accessor);
@@ -162,18 +161,17 @@ Result<void> SurfaceGatherer::append_positions(const TriangleSource& source, std
   for (std::size_t i = 0; i < numbers->size(); i += 3) {
     out.emplace_back((*numbers)[i], (*numbers)[i + 1], (*numbers)[i + 2]);
   }
-  return {};
+  return all_finite(*numbers);
 }
 
 Result<void> SurfaceGatherer::read_block(const JsonPlace& place, const TriangleSource& source,
                                          const VertexBlock& block, Surface& surface) {
-  if (auto done = append_positions(source, block.position, surface.mesh.positions); !done) {
-    return done;
-  }
-  const auto positions = std::span(surface.mesh.positions).subspan(block.first);
-  if (const auto at = first_not_finite(positions)) {
+  const auto finite = append_positions(source, block.position, surface.mesh.positions);
+  if (!finite) return finite.error();
+  if (!*finite) {
+    const auto at = first_not_finite(std::span(surface.mesh.positions).subspan(block.first));
     return place.error(
-        fmt::format("the position of vertex {} is not finite; remove such vertices first.", *at));
+        fmt::format("the position of vertex {} is not finite; remove such vertices first.", at));
   }
   if (block.normal) {
     const auto normals = read_attribute(source, "NORMAL", *block.normal);

@@ -50,34 +50,47 @@ class Packer {
   std::size_t elements_ = 0;
 };
 
-void find_bounds(std::span<const float> values, PackedValues& out) {
-  // Twelve numbers at a time are whole elements of one to four components, and whole registers.
-  constexpr std::size_t kPeriod = 12;
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  std::array<float, kPeriod> least;
-  std::array<float, kPeriod> most;
-  least.fill(kInfinity);
-  most.fill(-kInfinity);
-  const auto look = [&](std::size_t i, std::size_t phase) {
-    const float v = values[i];
-    least[phase] = v < least[phase] ? v : least[phase];
-    most[phase] = v > most[phase] ? v : most[phase];
-  };
-  std::size_t i = 0;
-  for (; i + kPeriod <= values.size(); i += kPeriod) {
-    for (std::size_t phase = 0; phase < kPeriod; ++phase) look(i + phase, phase);
+/// The least and greatest numbers of elements of one to four floats that come by and by.
+class FloatBounds {
+ public:
+  /// Twelve numbers at a time are whole elements and whole registers.
+  static constexpr std::size_t kPeriod = 12;
+
+  FloatBounds() {
+    least_.fill(std::numeric_limits<float>::infinity());
+    most_.fill(-std::numeric_limits<float>::infinity());
   }
-  for (std::size_t phase = 0; i < values.size(); ++phase, ++i) look(i, phase);
-  const auto components = static_cast<std::size_t>(out.components);
-  out.min.assign(least.begin(), least.begin() + out.components);
-  out.max.assign(most.begin(), most.begin() + out.components);
-  for (std::size_t phase = components; phase < kPeriod; ++phase) {
-    double& low = out.min[phase % components];
-    double& high = out.max[phase % components];
-    low = std::min(low, static_cast<double>(least[phase]));
-    high = std::max(high, static_cast<double>(most[phase]));
+
+  /// All but the last of several times by a multiple of kPeriod.
+  void look(std::span<const float> values) {
+    std::size_t i = 0;
+    for (; i + kPeriod <= values.size(); i += kPeriod) {
+      for (std::size_t phase = 0; phase < kPeriod; ++phase) look(values[i + phase], phase);
+    }
+    for (std::size_t phase = 0; i < values.size(); ++phase, ++i) look(values[i], phase);
   }
-}
+
+  void put(PackedValues& out) const {
+    const auto components = static_cast<std::size_t>(out.components);
+    out.min.assign(least_.begin(), least_.begin() + out.components);
+    out.max.assign(most_.begin(), most_.begin() + out.components);
+    for (std::size_t phase = components; phase < kPeriod; ++phase) {
+      double& low = out.min[phase % components];
+      double& high = out.max[phase % components];
+      low = std::min(low, static_cast<double>(least_[phase]));
+      high = std::max(high, static_cast<double>(most_[phase]));
+    }
+  }
+
+ private:
+  void look(float v, std::size_t phase) {
+    least_[phase] = v < least_[phase] ? v : least_[phase];
+    most_[phase] = v > most_[phase] ? v : most_[phase];
+  }
+
+  std::array<float, kPeriod> least_;
+  std::array<float, kPeriod> most_;
+};
 
 ComponentType index_type(Index vertex_count, ComponentType least) {
   const std::uint64_t highest = vertex_count;
@@ -108,21 +121,32 @@ PackedValues pack_floats(std::span<const float> values, int components) {
   PackedValues out = borrow_floats(values, components);
   out.bytes.assign(out.borrowed.begin(), out.borrowed.end());
   out.borrowed = {};
-  find_bounds(values, out);
+  FloatBounds bounds;
+  bounds.look(values);
+  bounds.put(out);
   return out;
 }
 
 PackedValues pack_vectors(std::span<const Vec3> vectors) {
+  constexpr std::size_t kBlock = 128 * FloatBounds::kPeriod;
   PackedValues out;
   out.components = 3;
   out.count = vectors.size();
   out.stride = 3 * sizeof(float);
-  out.bytes.resize(vectors.size() * out.stride);
-  float* to = reinterpret_cast<float*>(out.bytes.data());
-  for (const Vec3& vector : vectors) {
-    for (int c = 0; c < 3; ++c) *to++ = static_cast<float>(vector[c]);
+  // Grows by blocks, so that each is in the cache until it is done with.
+  out.bytes.reserve(vectors.size() * out.stride);
+  FloatBounds bounds;
+  for (std::size_t first = 0; first < vectors.size(); first += kBlock) {
+    const auto block = vectors.subspan(first, std::min(kBlock, vectors.size() - first));
+    out.bytes.resize((first + block.size()) * out.stride);
+    float* const begin = reinterpret_cast<float*>(out.bytes.data() + first * out.stride);
+    float* to = begin;
+    for (const Vec3& vector : block) {
+      for (int c = 0; c < 3; ++c) *to++ = static_cast<float>(vector[c]);
+    }
+    bounds.look({begin, 3 * block.size()});
   }
-  find_bounds({reinterpret_cast<const float*>(out.bytes.data()), 3 * vectors.size()}, out);
+  bounds.put(out);
   return out;
 }
 

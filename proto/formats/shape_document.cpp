@@ -13,11 +13,10 @@ Result<Encoded> ShapeDocument::write(std::span<const SurfaceResult> results, For
   const SurfaceResult& result = results.front();
   if (format != format_) return write_fresh_mesh(surfaces_.front(), result, format, encoding);
   const bool adds = holds_attributes() && (!result.attributes.empty() || result.colors);
-  if (result.untouched || (!result.moved && !adds))
-    return Encoded{{source_.begin(), source_.end()}, {}};
+  if (result.untouched || (!result.moved && !adds)) return unchanged(source_);
   auto bytes = patch(result);
   if (!bytes) return bytes.error();
-  return Encoded{*std::move(bytes), {}};
+  return Encoded{ByteChain(*std::move(bytes)), {}};
 }
 
 }  // namespace fairway

@@ -45,10 +45,12 @@ Result<Format> format_of_output(const std::string& file_name) {
                   file_name)};
 }
 
-Result<void> write_file(const std::string& path, std::span<const std::byte> bytes) {
+Result<void> write_file(const std::string& path, const ByteChain& bytes) {
   Result<AtomicFile> file = AtomicFile::create(path + ".tmp-" + random_id());
   if (!file) return file.error();
-  if (Result<void> written = write_all(file->descriptor(), bytes); !written) return written;
+  if (Result<void> written = write_all(file->descriptor(), bytes.pieces()); !written) {
+    return written;
+  }
   if (Result<void> renamed = file->rename_to(path); !renamed) return renamed;
   // AtomicFile makes private files; what a person asked for gets the usual permissions.
   const mode_t mask = umask(0);

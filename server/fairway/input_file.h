@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/result.h"
+#include "proto/formats/byte_chain.h"
 #include "proto/messages/format.h"
 #include "server/os/unique_fd.h"
 
@@ -35,6 +36,6 @@ class InputFile {
 Result<Format> format_of_output(const std::string& file_name);
 
 /// Writes a file whole or not at all, over any older one. Errors: io, storage_full.
-Result<void> write_file(const std::string& path, std::span<const std::byte> bytes);
+Result<void> write_file(const std::string& path, const ByteChain& bytes);
 
 }  // namespace fairway

@@ -181,26 +181,30 @@ Result<PipelineOutput> run_pipeline(std::span<const std::byte> input, Format for
                                     const Parameters& parameters, const ProgressObserver& observer,
                                     const std::stop_token& stop, const SideFiles& side_files) {
   if (observer) observer({"decode", 0, 0, 0.0});
-  Result<std::unique_ptr<Document>> document = decode(input, format, side_files);
-  if (!document) return document.error();
-  const auto selected = select_surfaces(**document, parameters.selection);
+  Result<std::unique_ptr<Document>> decoded = decode(input, format, side_files);
+  if (!decoded) return decoded.error();
+  const std::shared_ptr<const Document> document = *std::move(decoded);
+  const auto selected = select_surfaces(*document, parameters.selection);
   if (!selected) return selected.error();
 
   PipelineOutput out;
   out.format = parameters.output.value_or(format);
-  out.report.notes = (*document)->notes();
-  const std::string left = describe_selection((*document)->surfaces(), *selected);
+  out.report.notes = document->notes();
+  const std::string left = describe_selection(document->surfaces(), *selected);
   if (!left.empty()) out.report.notes.push_back(left);
-  ProgressTeller progress(observer, count_triangles((*document)->surfaces(), *selected));
-  const Result<std::vector<SurfaceResult>> results =
-      denoise_all(**document, *selected, parameters, progress, stop, out.report);
-  if (!results) return results.error();
+  ProgressTeller progress(observer, count_triangles(document->surfaces(), *selected));
+  Result<std::vector<SurfaceResult>> denoised =
+      denoise_all(*document, *selected, parameters, progress, stop, out.report);
+  if (!denoised) return denoised.error();
+  const auto results = std::make_shared<const std::vector<SurfaceResult>>(*std::move(denoised));
   progress.stage("encode", 1.0);
   const Conversion conversion{format, out.format, parameters.encoding};
-  add_notes(**document, *results, parameters, conversion, out.report);
-  Result<Encoded> encoded = convert(**document, *results, conversion);
+  add_notes(*document, *results, parameters, conversion, out.report);
+  Result<Encoded> encoded = convert(*document, *results, conversion);
   if (!encoded) return encoded.error();
   out.bytes = std::move(encoded->bytes);
+  out.bytes.keep(document);
+  out.bytes.keep(results);
   for (std::string& note : encoded->notes) out.report.notes.push_back(std::move(note));
   return out;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "proto/formats/byte_chain.h"
 #include "proto/formats/side_files.h"
 #include "proto/messages/format.h"
 #include "proto/messages/parameters.h"
@@ -15,9 +16,9 @@
 
 namespace fairway {
 
-/// A denoised file.
+/// A denoised file. Its bytes refer to the input and the side files.
 struct PipelineOutput {
-  std::vector<std::byte> bytes;
+  ByteChain bytes;
   Format format = Format::glb;
   JobReport report;
 };

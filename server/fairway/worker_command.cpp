@@ -77,7 +77,7 @@ Result<WorkerOrder> receive_order() {
 
 /// What an order came to; an inspection writes nothing.
 struct Outcome {
-  std::vector<std::byte> bytes;
+  ByteChain bytes;
   Format format;
   Json report;
 };
@@ -127,7 +127,9 @@ Result<void> work(const WorkerCommand& command) {
   prepare_heap(heap_estimate(input->bytes().size()));
   Result<Outcome> outcome = run_order(*order, input->bytes());
   if (!outcome) return outcome.error();
-  if (Result<void> written = write_all(kOutput, outcome->bytes); !written) return written;
+  if (Result<void> written = write_all(kOutput, outcome->bytes.pieces()); !written) {
+    return written;
+  }
   send(Finished{outcome->format, std::move(outcome->report)});
   return {};
 }

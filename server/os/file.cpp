@@ -1,12 +1,16 @@
 #include "server/os/file.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <climits>
 #include <cstdio>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 namespace fairway {
@@ -32,6 +36,30 @@ Result<void> write_all(int fd, std::span<const std::byte> bytes) {
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return file_error("write", errno);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return {};
+}
+
+Result<void> write_all(int fd, std::span<const std::span<const std::byte>> pieces) {
+  constexpr std::size_t kMost = IOV_MAX;
+  std::vector<iovec> batch;
+  while (!pieces.empty()) {
+    const auto now = pieces.first(std::min(pieces.size(), kMost));
+    batch.clear();
+    for (const auto piece : now) {
+      batch.push_back({const_cast<std::byte*>(piece.data()), piece.size()});
+    }
+    const ssize_t written = ::writev(fd, batch.data(), static_cast<int>(batch.size()));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return file_error("write", errno);
+    auto left = static_cast<std::size_t>(written);
+    for (; !pieces.empty() && left >= pieces.front().size(); pieces = pieces.subspan(1)) {
+      left -= pieces.front().size();
+    }
+    if (left == 0) continue;
+    // The system stopped inside a piece: its rest by itself.
+    if (auto done = write_all(fd, pieces.front().subspan(left)); !done) return done;
+    pieces = pieces.subspan(1);
   }
   return {};
 }

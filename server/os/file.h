@@ -26,6 +26,9 @@ Result<UniqueFd> open_file(const std::filesystem::path& path, int flags, mode_t 
 /// Writes all of `bytes` at the descriptor's position. Errors: io, storage_full.
 Result<void> write_all(int fd, std::span<const std::byte> bytes);
 
+/// The same for the pieces of a whole, without joining them.
+Result<void> write_all(int fd, std::span<const std::span<const std::byte>> pieces);
+
 /// Makes a directory's entries durable (after a rename into it). Errors: io.
 Result<void> sync_directory(const std::filesystem::path& directory);
 

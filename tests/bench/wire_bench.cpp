@@ -102,12 +102,12 @@ class WireBench {
     const auto document = decode(file, format);
     const std::vector<SurfaceResult>& results = results_;
     auto out = convert(**document, results, {format, format, encoding_});
-    return std::move(out->bytes);
+    return std::move(out->bytes.joined());
   }
 
   /// Against copying the file and the new accessors behind it.
   void glb() {
-    const Bytes file = write_fresh_mesh(surface_, {}, Format::glb, encoding_)->bytes;
+    const Bytes file = write_fresh_mesh(surface_, {}, Format::glb, encoding_)->bytes.joined();
     results_ = {result_};
     std::vector<float> positions;
     for (const Vec3& p : result_.positions) {
@@ -132,7 +132,7 @@ class WireBench {
   }
 
   void draco() {
-    const Bytes file = write_fresh_mesh(surface_, {}, Format::drc, encoding_)->bytes;
+    const Bytes file = write_fresh_mesh(surface_, {}, Format::drc, encoding_)->bytes.joined();
     results_ = {result_};
     const Bytes written = decode_and_encode(file, Format::drc);
     const DracoBaseline bare(file, written, encoding_.draco);
@@ -192,7 +192,7 @@ class WireBench {
 
   void whole() const {
     const test::TemporaryDirectory folder;
-    const Bytes file = write_fresh_mesh(surface_, {}, Format::glb, encoding_)->bytes;
+    const Bytes file = write_fresh_mesh(surface_, {}, Format::glb, encoding_)->bytes.joined();
     std::ofstream(folder.path() / "in.glb", std::ios::binary)
         .write(reinterpret_cast<const char*>(file.data()),
                static_cast<std::streamsize>(file.size()));

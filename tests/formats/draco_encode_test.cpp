@@ -97,7 +97,7 @@ TEST_CASE("Draco keeps order, and no value is off by more than is stated") {
     options.position_bits = options.curvature_bits = bits;
     options.level = bits % 11;
     const Encoded out = encoded(sheet, options);
-    const auto document = decoded(out.bytes, Format::drc);
+    const auto document = decoded(out.bytes.joined(), Format::drc);
     const Surface& surface = document->surfaces()[0];
     const SurfaceGrids grids =
         make_surface_grids(sheet.surface.mesh.positions, result.attributes, options);
@@ -105,7 +105,7 @@ TEST_CASE("Draco keeps order, and no value is off by more than is stated") {
     const double off = largest_error(surface.mesh.positions, sheet.surface.mesh.positions);
     CHECK(off <= grids.position->error);
     CHECK(off > 0.0);
-    const auto mesh = DracoMesh::decode(out.bytes);
+    const auto mesh = DracoMesh::decode(out.bytes.joined());
     REQUIRE(mesh);
     for (std::size_t i = 0; i < result.attributes.size(); ++i) {
       const VertexAttribute& attribute = result.attributes[i];
@@ -139,15 +139,15 @@ TEST_CASE("zero bits keep every float") {
   DracoOptions options;
   options.position_bits = options.normal_bits = options.curvature_bits = 0;
   const Encoded out = encoded(sheet, options);
-  const auto document = decoded(out.bytes, Format::drc);
+  const auto document = decoded(out.bytes.joined(), Format::drc);
   const Surface& surface = document->surfaces()[0];
   CHECK(largest_error(surface.mesh.positions, sheet.surface.mesh.positions) == 0.0);
   CHECK(largest_error(surface.normals, sheet.surface.normals) < 1e-7);
-  const auto mesh = DracoMesh::decode(out.bytes);
+  const auto mesh = DracoMesh::decode(out.bytes.joined());
   const auto values = mesh->values(named(*mesh, "_CURVATURE_K1"));
   CHECK(largest_error(*values, sheet.results[0].attributes[0].values) == 0.0);
   // No grid spans such a range: those values stay floats for any number of bits.
-  const auto rounded = DracoMesh::decode(encoded(sheet, {}).bytes);
+  const auto rounded = DracoMesh::decode(encoded(sheet, {}).bytes.joined());
   CHECK(largest_error(*rounded->values(named(*rounded, "_CURVATURE_K1")),
                       sheet.results[0].attributes[0].values) == 0.0);
 }
@@ -156,7 +156,7 @@ TEST_CASE("a surface of one place, and normals of length zero, are stored") {
   Sheet sheet = make_sheet();
   sheet.results[0].attributes[0].values.assign(441, -2.5F);
   sheet.surface.normals[3] = Vec3::Zero();
-  const auto mesh = DracoMesh::decode(encoded(sheet, {}).bytes);
+  const auto mesh = DracoMesh::decode(encoded(sheet, {}).bytes.joined());
   REQUIRE(mesh);
   CHECK(largest_error(*mesh->values(named(*mesh, "_CURVATURE_K1")),
                       sheet.results[0].attributes[0].values) == 0.0);
@@ -172,8 +172,8 @@ TEST_CASE("where the order is free Draco is smaller and holds the same triangles
   options.keep_order = false;
   const Encoded free = encoded(sheet, options);
   CHECK(free.bytes.size() < kept.bytes.size());
-  CHECK(kept.bytes[8] == std::byte{0});
-  CHECK(free.bytes[8] == std::byte{1});
+  CHECK(kept.bytes.joined()[8] == std::byte{0});
+  CHECK(free.bytes.joined()[8] == std::byte{1});
   const auto corner_sum = [](const Bytes& bytes) {
     const auto document = decoded(bytes, Format::drc);
     const IndexedMesh& mesh = document->surfaces()[0].mesh;
@@ -185,8 +185,8 @@ TEST_CASE("where the order is free Draco is smaller and holds the same triangles
     std::sort(areas.begin(), areas.end());
     return areas;
   };
-  const auto before = corner_sum(kept.bytes);
-  const auto after = corner_sum(free.bytes);
+  const auto before = corner_sum(kept.bytes.joined());
+  const auto after = corner_sum(free.bytes.joined());
   REQUIRE(before.size() == after.size());
   for (std::size_t i = 0; i < before.size(); ++i) CHECK(after[i] == Approx(before[i]));
 }
@@ -199,8 +199,8 @@ TEST_CASE("a mesh that compresses to next to nothing can still be read back") {
   surface.mesh.triangles.assign(200000, {0, 1, 2});
   const auto out = write_fresh_draco(surface, {}, {});
   REQUIRE(out);
-  CHECK(check_draco_header(out->bytes));
-  CHECK(decoded(out->bytes, Format::drc)->surfaces()[0].mesh.triangles.size() == 200000);
+  CHECK(check_draco_header(out->bytes.joined()));
+  CHECK(decoded(out->bytes.joined(), Format::drc)->surfaces()[0].mesh.triangles.size() == 200000);
 }
 
 TEST_CASE("drc comes back as drc with everything that did not move") {
@@ -233,7 +233,7 @@ TEST_CASE("drc comes back as drc with everything that did not move") {
 TEST_CASE("drc to glb to drc keeps geometry and curvature") {
   const Sheet sheet = make_sheet();
   const Encoded first = encoded(sheet, {});
-  const auto drc = decoded(first.bytes, Format::drc);
+  const auto drc = decoded(first.bytes.joined(), Format::drc);
   const auto glb = drc->encode(unmoved(*drc), Format::glb);
   REQUIRE(glb);
   const auto scene = decoded(*glb);
@@ -247,7 +247,7 @@ TEST_CASE("drc to glb to drc keeps geometry and curvature") {
   }
   const auto second = convert(*scene, results, Format::glb, Format::drc);
   REQUIRE(second);
-  const auto one = DracoMesh::decode(first.bytes);
+  const auto one = DracoMesh::decode(first.bytes.joined());
   const auto two = DracoMesh::decode(*second);
   REQUIRE(two);
   CHECK(two->triangles() == one->triangles());
@@ -264,7 +264,7 @@ TEST_CASE("curvature of a drc is replaced, its own attributes are not") {
   const Sheet sheet = make_sheet();
   Sheet other = sheet;
   other.results[0].attributes.push_back({"_MINE", 2, std::vector<float>(2 * 441, 0.123456F)});
-  const auto document = decoded(encoded(other, {}).bytes, Format::drc);
+  const auto document = decoded(encoded(other, {}).bytes.joined(), Format::drc);
   auto results = unmoved(*document);
   results[0].attributes.push_back({"_CURVATURE_K1", 1, std::vector<float>(441, 7.0F)});
   const auto out = document->encode(results, Format::drc);
@@ -309,7 +309,7 @@ TEST_CASE("draco_decoder reads what is written") {
     const auto drc = (folder / "sheet.drc").string();
     const auto ply = (folder / "sheet.ply").string();
     std::ofstream(drc, std::ios::binary)
-        .write(reinterpret_cast<const char*>(out.bytes.data()),
+        .write(reinterpret_cast<const char*>(out.bytes.joined().data()),
                static_cast<std::streamsize>(out.bytes.size()));
     const std::string command = "draco_decoder -i " + drc + " -o " + ply + " >/dev/null";
     REQUIRE(std::system(command.c_str()) == 0);  // NOLINT: tests only
@@ -317,7 +317,7 @@ TEST_CASE("draco_decoder reads what is written") {
     const std::string text((std::istreambuf_iterator<char>(file)), {});
     std::filesystem::remove_all(folder);
     const auto other = decoded(text_bytes(text), Format::ply);
-    const auto own = decoded(out.bytes, Format::drc);
+    const auto own = decoded(out.bytes.joined(), Format::drc);
     CHECK(other->surfaces()[0].mesh.positions == own->surfaces()[0].mesh.positions);
     CHECK(other->surfaces()[0].mesh.triangles == own->surfaces()[0].mesh.triangles);
     CHECK(own->surfaces()[0].mesh.triangles.size() == sheet.surface.mesh.triangles.size());

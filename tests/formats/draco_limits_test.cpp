@@ -42,7 +42,7 @@ TEST_CASE("any number of vertices and triangles is written as readable Draco, or
       const auto kept = as_drc(surface, true);
       CHECK(static_cast<bool>(kept) == (vertices <= 3 * triangles));
       if (kept) {
-        const auto again = decoded(kept->bytes, Format::drc);
+        const auto again = decoded(kept->bytes.joined(), Format::drc);
         CHECK(again->surfaces()[0].mesh.triangles == surface.mesh.triangles);
         CHECK(again->surfaces()[0].mesh.positions.size() == vertices);
       } else {
@@ -63,7 +63,7 @@ TEST_CASE("a mesh of any size is off by no more than half a step and the roundin
       const auto out = as_drc(surface, true);
       REQUIRE(out);
       const double error = make_surface_grids(surface.mesh.positions, {}, {}).position->error;
-      const auto again = decoded(out->bytes, Format::drc);
+      const auto again = decoded(out->bytes.joined(), Format::drc);
       for (std::size_t i = 0; i < 100; ++i) {
         const Vec3 off = again->surfaces()[0].mesh.positions[i] - surface.mesh.positions[i];
         CHECK(off.cwiseAbs().maxCoeff() <= error);
@@ -91,7 +91,7 @@ TEST_CASE("many bits need no more memory than the mesh") {
   REQUIRE(setrlimit(RLIMIT_AS, &before) == 0);
   for (const auto& stream : out) {
     if (!stream) FAIL(stream.error().message);
-    const auto again = decoded(stream->bytes, Format::drc);
+    const auto again = decoded(stream->bytes.joined(), Format::drc);
     CHECK(again->surfaces()[0].mesh.triangles.size() == 98);
   }
 }
@@ -99,7 +99,7 @@ TEST_CASE("many bits need no more memory than the mesh") {
 TEST_CASE("unused vertices that are too many for Draco are left out where order is free") {
   const auto out = as_drc(fan(100, 3), false);
   REQUIRE(out);
-  const auto again = decoded(out->bytes, Format::drc);
+  const auto again = decoded(out->bytes.joined(), Format::drc);
   CHECK(again->surfaces()[0].mesh.triangles.size() == 3);
   CHECK(again->surfaces()[0].mesh.positions.size() == 5);
 }
@@ -114,5 +114,5 @@ TEST_CASE("a primitive with too many unused vertices for Draco stays plain, and 
   REQUIRE(out);
   REQUIRE(out->notes.size() == 1);
   CHECK(out->notes[0].find("1 primitives are not compressed") != std::string::npos);
-  CHECK(decoded(out->bytes)->surfaces()[0].mesh.positions.size() == 8);
+  CHECK(decoded(out->bytes.joined())->surfaces()[0].mesh.positions.size() == 8);
 }

@@ -56,13 +56,13 @@ TEST_CASE("a fresh glTF with meshopt holds the same values in fewer bytes") {
     const Encoded small = written(format, Compression::meshopt);
     CHECK(small.notes.empty());
     CHECK(small.bytes.size() < written(format, Compression::none).bytes.size());
-    const auto was = decoded(plain.bytes);
-    const auto is = decoded(small.bytes, format);
+    const auto was = decoded(plain.bytes.joined());
+    const auto is = decoded(small.bytes.joined(), format);
     CHECK(is->surfaces()[0].mesh.positions == was->surfaces()[0].mesh.positions);
     CHECK(is->surfaces()[0].mesh.triangles == surface.mesh.triangles);
     CHECK(is->surfaces()[0].normals == was->surfaces()[0].normals);
   }
-  SampleGlb sample = parse_sample(written(Format::glb, Compression::meshopt).bytes);
+  SampleGlb sample = parse_sample(written(Format::glb, Compression::meshopt).bytes.joined());
   check_lists(sample.json, kMeshopt);
   for (const Json& view : sample.json["bufferViews"]) {
     CHECK(view["buffer"] == 1);
@@ -78,9 +78,9 @@ TEST_CASE("a fresh glTF with Draco is off by what its note states, and says its 
   CHECK(out.notes[0].find("mesh as Draco: POSITION is off by at most") == 0);
   CHECK(out.notes[0].find("; _CURVATURE_K1 is off by at most") != std::string::npos);
   CHECK(out.bytes.size() < written(Format::glb, Compression::meshopt).bytes.size());
-  SampleGlb sample = parse_sample(out.bytes);
+  SampleGlb sample = parse_sample(out.bytes.joined());
   check_lists(sample.json, kDraco);
-  const auto document = decoded(out.bytes);
+  const auto document = decoded(out.bytes.joined());
   const Surface& found = document->surfaces()[0];
   CHECK(found.mesh.triangles == surface.mesh.triangles);
   REQUIRE(found.mesh.positions.size() == surface.mesh.positions.size());
@@ -99,7 +99,7 @@ TEST_CASE("a fresh glTF with Draco is off by what its note states, and says its 
 }
 
 TEST_CASE("curvature of a fresh Draco primitive stands in its stream by its glTF name") {
-  SampleGlb sample = parse_sample(written(Format::glb, Compression::draco).bytes);
+  SampleGlb sample = parse_sample(written(Format::glb, Compression::draco).bytes.joined());
   const Json& extension = sample.json["meshes"][0]["primitives"][0]["extensions"][kDraco];
   const Json& view = sample.json["bufferViews"][extension["bufferView"].get<std::size_t>()];
   const auto mesh = DracoMesh::decode(
@@ -121,7 +121,7 @@ TEST_CASE("a fresh glTF with reordered Draco says how many vertices there are") 
   options.keep_order = false;
   const Encoded out = written(Format::gltf, Compression::draco, options);
   CHECK(out.bytes.size() < written(Format::gltf, Compression::draco).bytes.size());
-  const auto document = decoded(out.bytes, Format::gltf);
+  const auto document = decoded(out.bytes.joined(), Format::gltf);
   CHECK(document->surfaces()[0].mesh.positions.size() == noisy().mesh.positions.size());
   CHECK(document->surfaces()[0].mesh.triangles.size() == noisy().mesh.triangles.size());
 }
@@ -133,10 +133,10 @@ TEST_CASE("what came as Draco becomes a compressed glTF with all attributes that
        {Compression::draco, Compression::keep, Compression::meshopt}) {
     const auto out = convert(*document, results, {Format::drc, Format::glb, {compression, {}}});
     REQUIRE(out);
-    SampleGlb sample = parse_sample(out->bytes);
+    SampleGlb sample = parse_sample(out->bytes.joined());
     check_lists(sample.json, compression == Compression::meshopt ? kMeshopt : kDraco);
     const auto plain = convert(*document, results, {Format::drc, Format::glb, {}});
-    SampleGlb expected = parse_sample(plain->bytes);
+    SampleGlb expected = parse_sample(plain->bytes.joined());
     const Json& is = sample.json["meshes"][0]["primitives"][0]["attributes"];
     const Json& was = expected.json["meshes"][0]["primitives"][0]["attributes"];
     CHECK(is.size() == was.size());
@@ -147,6 +147,6 @@ TEST_CASE("what came as Draco becomes a compressed glTF with all attributes that
       for (const char* key : {"componentType", "count", "type"}) CHECK(one[key] == other[key]);
       CHECK(one.value("normalized", false) == other.value("normalized", false));
     }
-    CHECK(decoded(out->bytes)->surfaces()[0].mesh.positions.size() == 8);
+    CHECK(decoded(out->bytes.joined())->surfaces()[0].mesh.positions.size() == 8);
   }
 }

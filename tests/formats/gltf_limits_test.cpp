@@ -171,7 +171,7 @@ TEST_CASE("a mesh that collapses in single precision is refused, however many ve
     for (Vec3& p : surface.mesh.positions) p.x() += away;
     const auto file = write_fresh_mesh(surface, {}, Format::glb, {});
     REQUIRE(file);
-    const auto document = decode(file->bytes, Format::glb);
+    const auto document = decode(file->bytes.joined(), Format::glb);
     return document ? std::optional<ErrorCode>() : document.error().code;
   };
   for (const Index n : {8U, 40U}) {

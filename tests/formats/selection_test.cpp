@@ -81,7 +81,7 @@ TEST_CASE("an untouched surface comes back byte for byte, whatever the compressi
   encoding.compression = compression;
   const auto out = document->write(results, Format::glb, encoding);
   REQUIRE(out);
-  const SampleGlb after = parse_sample(out->bytes);
+  const SampleGlb after = parse_sample(out->bytes.joined());
   CHECK(after.json["meshes"][0] == sample.json["meshes"][0]);
   CHECK(after.json["meshes"][2] != sample.json["meshes"][2]);
   const std::size_t accessors = sample.json["accessors"].size();

@@ -179,7 +179,8 @@ std::string moved_defect(const Document& document, std::span<const SurfaceResult
   }
   const Likeness likeness = likeness_of(document, conversion);
   const bool reordered = likeness == Likeness::counts && !conversion.encoding.draco.keep_order;
-  const auto again = decode(out->bytes, wanted);
+  const std::vector<std::byte> file = out->bytes.joined();
+  const auto again = decode(file, wanted);
   if (!again) {
     // The few vertices that are used may all be rounded to one place.
     if (reordered && again.error().code == ErrorCode::invalid_mesh) return {};

@@ -23,7 +23,7 @@ Bytes written(const IndexedMesh& mesh, Format format) {
   surface.normals.assign(mesh.positions.size(), Vec3::UnitZ());
   auto file = write_fresh_mesh(surface, result, format, {});
   REQUIRE(file);
-  return std::move(file->bytes);
+  return file->bytes.joined();
 }
 
 std::vector<Seed> ply_texts() {
