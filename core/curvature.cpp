@@ -34,37 +34,59 @@ std::vector<T> spread(const std::vector<T>& values, const std::vector<Index>& ve
   return out;
 }
 
+/// Positions as the kernel gathers them. Any length of the surface's scale would do as the unit: it
+/// keeps numbers near 1.
+std::vector<Quad<double>> in_units(std::span<const Vec3> positions, double per_length) {
+  std::vector<Quad<double>> out(positions.size());
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    const Vec3 p = positions[v] * per_length;
+    out[v] = {p.x(), p.y(), p.z(), 0.0};
+  }
+  return out;
+}
+
+template <class Real>
+void compute(const TriangleMesh& surface, std::span<const Vec3> positions,
+             const Execution& execution, const CurvatureArrays<Real>& out) {
+  const double per_length = 1.0 / surface.mean_edge_length();
+  const std::vector<Quad<double>> x = in_units(positions, per_length);
+  const RingView rings = {surface.rings().offsets.data(), surface.rings().items.data(),
+                          surface.boundary_vertex().data(), x.data()};
+  const CurvatureKernel<Real> kernel = curvature_kernel<Real>(execution.isa);
+  const std::size_t most = largest_valence(surface);
+  ThreadTeam team(execution.threads);
+  team.for_ranges(x.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    std::vector<Aligned> scratch((most + 1) * kCurvatureScratch);
+    kernel(rings, per_length, static_cast<Index>(first), static_cast<Index>(last),
+           scratch.data()->numbers, out);
+  });
+}
+
 }  // namespace
 
 CurvatureFields curvature(const TriangleMesh& surface, std::span<const Vec3> positions,
                           const Execution& execution) {
-  const std::size_t n = surface.vertex_count();
-  // Any length of the surface's scale would do: it keeps numbers near 1.
-  const double per_length = 1.0 / surface.mean_edge_length();
-  std::vector<Quad<double>> x(n);
-  for (std::size_t v = 0; v < n; ++v) {
-    const Vec3 p = positions[v] * per_length;
-    x[v] = {p.x(), p.y(), p.z(), 0.0};
-  }
   CurvatureFields out;
   for (auto* numbers : {&out.k1, &out.k2, &out.mean, &out.gaussian, &out.predominant}) {
-    numbers->resize(n);
+    numbers->resize(surface.vertex_count());
   }
-  out.dir1.resize(n);
-  out.dir2.resize(n);
-  const CurvatureArrays arrays = {
-      out.k1.data(),          out.k2.data(),           out.mean.data(),        out.gaussian.data(),
-      out.predominant.data(), out.dir1.data()->data(), out.dir2.data()->data()};
-  const RingView rings = {surface.rings().offsets.data(), surface.rings().items.data(),
-                          surface.boundary_vertex().data(), x.data()};
-  const CurvatureKernel kernel = curvature_kernel(execution.isa);
-  const std::size_t most = largest_valence(surface);
-  ThreadTeam team(execution.threads);
-  team.for_ranges(n, kGrain, [&](std::size_t first, std::size_t last) {
-    std::vector<Aligned> scratch((most + 1) * kCurvatureScratch);
-    kernel(rings, per_length, static_cast<Index>(first), static_cast<Index>(last),
-           scratch.data()->numbers, arrays);
-  });
+  for (auto* vectors : {&out.dir1, &out.dir2}) vectors->resize(surface.vertex_count());
+  compute<double>(surface, positions, execution,
+                  {out.k1.data(), out.k2.data(), out.mean.data(), out.gaussian.data(),
+                   out.predominant.data(), out.dir1.data()->data(), out.dir2.data()->data()});
+  return out;
+}
+
+CurvatureFloats curvature_floats(const TriangleMesh& surface, std::span<const Vec3> positions,
+                                 const Execution& execution) {
+  CurvatureFloats out;
+  for (auto* numbers : {&out.k1, &out.k2, &out.mean, &out.gaussian, &out.predominant}) {
+    numbers->resize(surface.vertex_count());
+  }
+  for (auto* vectors : {&out.dir1, &out.dir2}) vectors->resize(3 * surface.vertex_count());
+  compute<float>(surface, positions, execution,
+                 {out.k1.data(), out.k2.data(), out.mean.data(), out.gaussian.data(),
+                  out.predominant.data(), out.dir1.data(), out.dir2.data()});
   return out;
 }
 

@@ -24,7 +24,17 @@ struct CurvatureFields {
 CurvatureFields curvature(const TriangleMesh& surface, std::span<const Vec3> positions,
                           const Execution& execution = {});
 
-/// The same per source vertex (welded copies share values, isolated vertices get zeros).
+/// The same rounded to single precision, in which numbers beyond its range become its ends; `dir1`
+/// and `dir2` have three numbers per vertex.
+struct CurvatureFloats {
+  std::vector<float> k1, k2, mean, gaussian, predominant, dir1, dir2;
+};
+
+/// The same computation as curvature(), its results rounded: half the memory.
+CurvatureFloats curvature_floats(const TriangleMesh& surface, std::span<const Vec3> positions,
+                                 const Execution& execution = {});
+
+/// Fields per source vertex (welded copies share values, isolated vertices get zeros).
 CurvatureFields scatter(const TriangleMesh& surface, const CurvatureFields& fields);
 
 }  // namespace fairway

@@ -14,10 +14,12 @@ struct RingView {
   const Quad<double>* positions;
 };
 
-/// Where curvature goes: one number per vertex, three for directions.
+/// Where curvature goes: one number per vertex, three for directions. As floats numbers are
+/// rounded, and those beyond the range become its ends.
+template <class Real>
 struct CurvatureArrays {
-  double *k1, *k2, *mean, *gaussian, *predominant;
-  double *dir1, *dir2;
+  Real *k1, *k2, *mean, *gaussian, *predominant;
+  Real *dir1, *dir2;
 };
 
 /// What one call works with, per ring entry of a vertex: numbers of eight lanes.
@@ -26,10 +28,12 @@ inline constexpr std::size_t kCurvatureScratch = 8;
 /// Curvature of the vertices [first, last), eight at a time, times `per_length` (squared where
 /// gaussian); see CurvatureFields. `scratch`: kLanes · kCurvatureScratch numbers, aligned to 64
 /// bytes, for each of `most` + 1 ring entries, `most` the largest valence.
+template <class Real>
 using CurvatureKernel = void (*)(const RingView& rings, double per_length, Index first, Index last,
-                                 double* scratch, const CurvatureArrays& out);
+                                 double* scratch, const CurvatureArrays<Real>& out);
 
 /// The kernel of an instruction set; the portable one where the build has none for it.
-CurvatureKernel curvature_kernel(Isa isa);
+template <class Real>
+CurvatureKernel<Real> curvature_kernel(Isa isa);
 
 }  // namespace fairway

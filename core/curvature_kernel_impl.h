@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "core/curvature_kernel.h"
 #include "core/feature_kernels_impl.h"
@@ -27,6 +28,13 @@ FAIRWAY_INLINE Numbers read(const double* from) {
 }
 FAIRWAY_INLINE void write(double* to, Numbers v) {
   std::memcpy(to, &v, sizeof v);
+}
+
+/// A number as a field holds it.
+template <class Real>
+FAIRWAY_INLINE Real stored(double number) {
+  constexpr double kMost = std::numeric_limits<Real>::max();
+  return static_cast<Real>(number < -kMost ? -kMost : (number > kMost ? kMost : number));
 }
 
 /// The positions of kSome slots.
@@ -220,36 +228,45 @@ struct ShapeMatrix {
   }
 };
 
-FAIRWAY_INLINE void write(const SomeRings& some, Index count, const CurvatureArrays& out,
-                          const Numbers (&numbers)[5], const Directions& dir1,
-                          const Directions& dir2) {
-  double* const arrays[] = {out.k1, out.k2, out.mean, out.gaussian, out.predominant};
-  for (int j = 0; j < 5; ++j) {
-    if (count == kSome) {
-      write(arrays[j] + some.vertex[0], numbers[j]);
-    } else {
-      for (Index i = 0; i < count; ++i) {
-        arrays[j][some.vertex[i]] = numbers[j][static_cast<int>(i)];
-      }
-    }
-  }
+template <class Real>
+FAIRWAY_INLINE void store(const double* numbers, Index count, Real* to) {
+  for (Index i = 0; i < count; ++i) to[i] = stored<Real>(numbers[i]);
+}
+
+template <class Real>
+FAIRWAY_INLINE void store_directions(const Directions& d, Index count, Real* to) {
+  double x[kSome], y[kSome], z[kSome];
+  write(x, d.x);
+  write(y, d.y);
+  write(z, d.z);
   for (Index i = 0; i < count; ++i) {
-    const int lane = static_cast<int>(i);
-    double* one = out.dir1 + 3 * std::size_t{some.vertex[i]};
-    double* two = out.dir2 + 3 * std::size_t{some.vertex[i]};
-    one[0] = dir1.x[lane];
-    one[1] = dir1.y[lane];
-    one[2] = dir1.z[lane];
-    two[0] = dir2.x[lane];
-    two[1] = dir2.y[lane];
-    two[2] = dir2.z[lane];
+    to[3 * i] = static_cast<Real>(x[i]);
+    to[3 * i + 1] = static_cast<Real>(y[i]);
+    to[3 * i + 2] = static_cast<Real>(z[i]);
   }
 }
 
+template <class Real>
+FAIRWAY_INLINE void write(const SomeRings& some, Index count, const CurvatureArrays<Real>& out,
+                          const Numbers (&numbers)[5], const Directions& dir1,
+                          const Directions& dir2) {
+  const std::size_t at = some.vertex[0];
+  Real* const arrays[] = {out.k1, out.k2, out.mean, out.gaussian, out.predominant};
+  for (int j = 0; j < 5; ++j) {
+    double lanes[kSome];
+    write(lanes, numbers[j]);
+    // Of a constant count the compiler makes one wide store.
+    store(lanes, count == kSome ? kSome : count, arrays[j] + at);
+  }
+  store_directions(dir1, count, out.dir1 + 3 * at);
+  store_directions(dir2, count, out.dir2 + 3 * at);
+}
+
 /// Eigenvalues over the mixed area, eigenvectors, angle defect over the mixed area.
+template <class Real>
 FAIRWAY_INLINE void finish(const SomeRings& some, const RingTotals& totals, const ShapeMatrix& s,
                            Flags has_normal, double per_length, Index count,
-                           const CurvatureArrays& out) {
+                           const CurvatureArrays<Real>& out) {
   constexpr double kTwoPi = 6.28318530717958647692;
   const Numbers zero = {};
   const Numbers mean = 0.5 * (s.xx + s.yy);
@@ -278,8 +295,9 @@ FAIRWAY_INLINE void finish(const SomeRings& some, const RingTotals& totals, cons
         select(has_normal, s.w * cosine - s.u * sine, none));
 }
 
+template <class Real>
 void curvature_of(const RingView& rings, double per_length, Index first, Index last,
-                  double* scratch, const CurvatureArrays& out) {
+                  double* scratch, const CurvatureArrays<Real>& out) {
   const Numbers zero = {};
   for (Index from = first; from < last; from += kSome) {
     const SomeRings some(rings, from, last);
@@ -303,8 +321,11 @@ void curvature_of(const RingView& rings, double per_length, Index first, Index l
 
 }  // namespace
 
-CurvatureKernel curvature_kernel() {
-  return &curvature_of;
+template <class Real>
+CurvatureKernel<Real> curvature_kernel() {
+  return &curvature_of<Real>;
 }
+template CurvatureKernel<float> curvature_kernel<float>();
+template CurvatureKernel<double> curvature_kernel<double>();
 
 }  // namespace fairway::FAIRWAY_KERNELS_NAMESPACE

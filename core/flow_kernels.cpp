@@ -9,18 +9,21 @@ namespace fairway {
 namespace portable {
 const FlowKernels<float>& single_kernels();
 const FlowKernels<double>& double_kernels();
-CurvatureKernel curvature_kernel();
+template <class Real>
+CurvatureKernel<Real> curvature_kernel();
 }  // namespace portable
 #ifdef FAIRWAY_X86_KERNELS
 namespace avx2 {
 const FlowKernels<float>& single_kernels();
 const FlowKernels<double>& double_kernels();
-CurvatureKernel curvature_kernel();
+template <class Real>
+CurvatureKernel<Real> curvature_kernel();
 }  // namespace avx2
 namespace avx512 {
 const FlowKernels<float>& single_kernels();
 const FlowKernels<double>& double_kernels();
-CurvatureKernel curvature_kernel();
+template <class Real>
+CurvatureKernel<Real> curvature_kernel();
 }  // namespace avx512
 #endif
 
@@ -68,13 +71,16 @@ const FlowKernels<double>& flow_kernels<double>(Isa isa) {
   return portable::double_kernels();
 }
 
-CurvatureKernel curvature_kernel(Isa isa) {
+template <class Real>
+CurvatureKernel<Real> curvature_kernel(Isa isa) {
 #ifdef FAIRWAY_X86_KERNELS
-  if (isa == Isa::avx512) return avx512::curvature_kernel();
-  if (isa == Isa::avx2) return avx2::curvature_kernel();
+  if (isa == Isa::avx512) return avx512::curvature_kernel<Real>();
+  if (isa == Isa::avx2) return avx2::curvature_kernel<Real>();
 #endif
   (void)isa;
-  return portable::curvature_kernel();
+  return portable::curvature_kernel<Real>();
 }
+template CurvatureKernel<float> curvature_kernel<float>(Isa isa);
+template CurvatureKernel<double> curvature_kernel<double>(Isa isa);
 
 }  // namespace fairway

@@ -13,6 +13,8 @@ namespace fairway {
 namespace {
 
 constexpr std::size_t kWindow = 2048;
+/// Slots between the ring that is read and the one that is asked for.
+constexpr std::size_t kAhead = 32;
 
 std::uint64_t kind_of(const TriangleMesh& mesh, Index v) {
   return 2 * std::uint64_t{mesh.rings()[v].size()} + mesh.boundary_vertex()[v];
@@ -70,6 +72,12 @@ void PackedMesh::make_slices(const TriangleMesh& mesh, std::span<const Index> eq
   }
 }
 
+/// Neighbouring slots lie rows apart in most files, so that no processor foresees their rings.
+void PackedMesh::fetch_ring(const TriangleMesh& mesh, std::size_t slot) const {
+  if (slot >= vertex_of_slot_.size() || vertex_of_slot_[slot] == kNoIndex) return;
+  __builtin_prefetch(mesh.rings()[vertex_of_slot_[slot]].data());
+}
+
 void PackedMesh::make_rings(const TriangleMesh& mesh) {
   if (slices_.empty()) return;
   ring_.resize(kLanes * std::size_t{slices_.back().columns + slices_.back().valence});
@@ -80,6 +88,7 @@ void PackedMesh::make_rings(const TriangleMesh& mesh) {
     for (Index lane = 0; lane < kLanes; ++lane) {
       const auto slot = static_cast<Index>(kLanes * s + lane);
       const Index v = vertex_of_slot_[slot];
+      fetch_ring(mesh, slot + kAhead);
       const Index* neighbours = v == kNoIndex ? nullptr : mesh.rings()[v].data();
       for (Index k = 0; k < slices_[s].valence; ++k) {
         const Index q = v == kNoIndex ? slot : slot_of_vertex_[neighbours[k]];

@@ -35,6 +35,7 @@ class PackedMesh {
  private:
   void fill_window(const TriangleMesh& mesh, std::span<Index> window);
   void make_slices(const TriangleMesh& mesh, std::span<const Index> equals);
+  void fetch_ring(const TriangleMesh& mesh, std::size_t slot) const;
   void make_rings(const TriangleMesh& mesh);
 
   std::vector<Slice> slices_;

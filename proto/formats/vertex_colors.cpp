@@ -82,15 +82,15 @@ std::vector<Srgb> diverging_colours(std::span<const float> values, double limit)
   return out;
 }
 
-double automatic_limit(std::span<const double> values) {
+double automatic_limit(std::span<const float> values) {
   if (values.empty()) return 1.0;
-  std::vector<double> magnitudes;
+  std::vector<float> magnitudes;
   magnitudes.reserve(values.size());
-  for (const double value : values) magnitudes.push_back(std::abs(value));
+  for (const float value : values) magnitudes.push_back(std::abs(value));
   const auto rank = static_cast<std::ptrdiff_t>(
       std::ceil(kLimitShare * static_cast<double>(values.size())) - 1.0);
   std::nth_element(magnitudes.begin(), magnitudes.begin() + rank, magnitudes.end());
-  const double limit = magnitudes[static_cast<std::size_t>(rank)];
+  const double limit = static_cast<double>(magnitudes[static_cast<std::size_t>(rank)]);
   return limit > 0.0 && std::isfinite(limit) ? limit : 1.0;
 }
 

@@ -27,7 +27,7 @@ Srgb diverging_colour(double value);
 std::vector<Srgb> diverging_colours(std::span<const float> values, double limit);
 
 /// The magnitude that 95 % of the values stay below or at; 1 where that is 0 or there are none.
-double automatic_limit(std::span<const double> values);
+double automatic_limit(std::span<const float> values);
 
 /// As COLOR_0 of a glTF, which is linear: normalised 16-bit RGBA, opaque.
 PackedValues pack_linear_colors(std::span<const Srgb> colors);

@@ -101,7 +101,7 @@ Result<SurfaceResult> denoise_surface(const Surface& surface, const TriangleMesh
   progress.stage("curvature", kFlowed);
   report.surfaces.push_back(describe(surface, mesh, std::move(denoised->report)));
   if (!parameters.curvature.none()) {
-    add_curvature(surface, curvature(mesh, denoised->positions), mesh.vertex_of_source(),
+    add_curvature(surface, curvature_floats(mesh, denoised->positions), mesh.vertex_of_source(),
                   parameters.curvature, result, report.surfaces.back());
   }
   if (parameters.flow.find_features) {

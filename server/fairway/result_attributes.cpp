@@ -4,79 +4,80 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace fairway {
 namespace {
 
-/// float32, finite: what lies beyond its range becomes its largest value.
-float to_float(double value) {
-  constexpr double kMost = std::numeric_limits<float>::max();
-  return static_cast<float>(std::clamp(value, -kMost, kMost));
+bool is_identity(std::span<const Index> vertex, std::size_t count) {
+  if (vertex.size() != count) return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (vertex[i] != i) return false;
+  }
+  return true;
 }
 
 /// Values of surface vertices as those of source vertices; 0 where `vertex` has none.
-VertexAttribute scalar_attribute(CurvatureKind kind, const std::vector<double>& values,
-                                 std::span<const Index> vertex) {
-  VertexAttribute out{std::string(attribute_name(kind)), 1, std::vector<float>(vertex.size())};
-  std::transform(vertex.begin(), vertex.end(), out.values.begin(),
-                 [&values](Index v) { return v == kNoIndex ? 0.0F : to_float(values[v]); });
-  return out;
-}
-
-VertexAttribute vector_attribute(CurvatureKind kind, const std::vector<Vec3>& values,
-                                 std::span<const Index> vertex) {
-  VertexAttribute out{std::string(attribute_name(kind)), 3, std::vector<float>(3 * vertex.size())};
-  float* to = out.values.data();
-  for (const Index v : vertex) {
-    const Vec3 value = v == kNoIndex ? Vec3(Vec3::Zero()) : values[v];
-    for (const double c : {value.x(), value.y(), value.z()}) *to++ = to_float(c);
+std::vector<float> spread(const std::vector<float>& values, std::size_t components,
+                          std::span<const Index> vertex) {
+  std::vector<float> out(components * vertex.size());
+  for (std::size_t i = 0; i < vertex.size(); ++i) {
+    if (vertex[i] == kNoIndex) continue;
+    std::copy_n(values.data() + components * vertex[i], components, out.data() + components * i);
   }
   return out;
 }
 
-VertexAttribute attribute(CurvatureKind kind, const CurvatureFields& fields,
-                          std::span<const Index> vertex) {
+struct Field {
+  std::vector<float> CurvatureFloats::*values;
+  int components;
+};
+
+Field field_of(CurvatureKind kind) {
   switch (kind) {
     case CurvatureKind::k1:
-      return scalar_attribute(kind, fields.k1, vertex);
+      return {&CurvatureFloats::k1, 1};
     case CurvatureKind::k2:
-      return scalar_attribute(kind, fields.k2, vertex);
+      return {&CurvatureFloats::k2, 1};
     case CurvatureKind::mean:
-      return scalar_attribute(kind, fields.mean, vertex);
+      return {&CurvatureFloats::mean, 1};
     case CurvatureKind::gaussian:
-      return scalar_attribute(kind, fields.gaussian, vertex);
+      return {&CurvatureFloats::gaussian, 1};
     case CurvatureKind::predominant:
-      return scalar_attribute(kind, fields.predominant, vertex);
+      return {&CurvatureFloats::predominant, 1};
     case CurvatureKind::dir1:
-      return vector_attribute(kind, fields.dir1, vertex);
+      return {&CurvatureFloats::dir1, 3};
     case CurvatureKind::dir2:
       break;
   }
-  return vector_attribute(kind, fields.dir2, vertex);
+  return {&CurvatureFloats::dir2, 3};
 }
 
-void divide(std::vector<double>& values, double by) {
-  for (double& value : values) value /= by;
+void divide(std::vector<float>& values, double by) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  for (float& value : values) {
+    value = static_cast<float>(std::clamp(static_cast<double>(value) / by, -kMost, kMost));
+  }
 }
 
 /// Lengths grow by `scale`.
-void scale_lengths(CurvatureFields& fields, double scale) {
+void scale_lengths(CurvatureFloats& fields, double scale) {
   for (auto* values : {&fields.k1, &fields.k2, &fields.mean, &fields.predominant}) {
     divide(*values, scale);
   }
   divide(fields.gaussian, scale * scale);
 }
 
-void add_attributes(const CurvatureFields& fields, std::span<const Index> vertex,
-                    const CurvatureOutput& output, SurfaceResult& result) {
-  for (const CurvatureKind kind : output.kinds) {
-    result.attributes.push_back(attribute(kind, fields, vertex));
-  }
+void add_colors(const CurvatureFloats& fields, std::span<const Index> vertex,
+                const ColorOptions& colors, SurfaceResult& result, SurfaceReport& report) {
+  report.color_limit = colors.limit.value_or(automatic_limit(fields.predominant));
+  result.colors = {diverging_colours(spread(fields.predominant, 1, vertex), *report.color_limit),
+                   colors.replace};
 }
 
 }  // namespace
 
-void add_curvature(const Surface& surface, CurvatureFields fields, std::span<const Index> vertex,
+void add_curvature(const Surface& surface, CurvatureFloats fields, std::span<const Index> vertex,
                    const CurvatureOutput& output, SurfaceResult& result, SurfaceReport& report) {
   if (output.space == CurvatureSpace::world) {
     const WorldScale& world = surface.world_scale;
@@ -86,17 +87,28 @@ void add_curvature(const Surface& surface, CurvatureFields fields, std::span<con
       if (world.value != 1.0) scale_lengths(fields, world.value);
     }
   }
-  add_attributes(fields, vertex, output, result);
-  if (!output.colors) return;
-  report.color_limit = output.colors->limit.value_or(automatic_limit(fields.predominant));
-  const VertexAttribute values =
-      scalar_attribute(CurvatureKind::predominant, fields.predominant, vertex);
-  result.colors = {diverging_colours(values.values, *report.color_limit), output.colors->replace};
+  if (output.colors) add_colors(fields, vertex, *output.colors, result, report);
+  const bool same = is_identity(vertex, fields.k1.size());
+  for (const CurvatureKind kind : output.kinds) {
+    const auto [values, components] = field_of(kind);
+    VertexAttribute attribute{std::string(attribute_name(kind)), components, {}};
+    if (same) {
+      attribute.values = std::move(fields.*values);
+    } else {
+      attribute.values = spread(fields.*values, static_cast<std::size_t>(components), vertex);
+    }
+    result.attributes.push_back(std::move(attribute));
+  }
 }
 
 void add_zero_curvature(std::size_t vertices, const CurvatureOutput& output,
                         SurfaceResult& result) {
-  add_attributes({}, std::vector<Index>(vertices, kNoIndex), output, result);
+  for (const CurvatureKind kind : output.kinds) {
+    const int components = field_of(kind).components;
+    result.attributes.push_back(
+        {std::string(attribute_name(kind)), components,
+         std::vector<float>(static_cast<std::size_t>(components) * vertices)});
+  }
 }
 
 /// float32, so that every reader takes it: bytes would have to stand four apart.

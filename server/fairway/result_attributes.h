@@ -14,7 +14,7 @@ namespace fairway {
 /// Adds to `result` what is asked of the curvature of a surface: attributes and colours, in the
 /// lengths of the space that was asked for, and tells of it in `report`. `vertex`: for each vertex
 /// of the file that of the fields, kNoIndex where it has none (its values are 0).
-void add_curvature(const Surface& surface, CurvatureFields fields, std::span<const Index> vertex,
+void add_curvature(const Surface& surface, CurvatureFloats fields, std::span<const Index> vertex,
                    const CurvatureOutput& output, SurfaceResult& result, SurfaceReport& report);
 
 /// The same for a surface without any curvature: attributes of zeros, no colours.

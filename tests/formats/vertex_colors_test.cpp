@@ -105,14 +105,14 @@ TEST_CASE("values are coloured between the limits, symmetric about 0") {
 }
 
 TEST_CASE("the automatic limit is what 95 % of the magnitudes stay below") {
-  std::vector<double> values;
-  for (int i = 1; i <= 100; ++i) values.push_back(i % 2 == 0 ? i : -i);
+  std::vector<float> values;
+  for (int i = 1; i <= 100; ++i) values.push_back(static_cast<float>(i % 2 == 0 ? i : -i));
   CHECK(automatic_limit(values) == 95.0);
-  values.back() = 1e9;
+  values.back() = 1e9F;
   CHECK(automatic_limit(values) == 95.0);
   CHECK(automatic_limit({}) == 1.0);
-  CHECK(automatic_limit(std::vector<double>(10, 0.0)) == 1.0);
-  CHECK(automatic_limit(std::vector<double>{-3.0}) == 3.0);
+  CHECK(automatic_limit(std::vector<float>(10, 0.0F)) == 1.0);
+  CHECK(automatic_limit(std::vector<float>{-3.0F}) == 3.0);
 }
 
 TEST_CASE("COLOR_0 is linear, opaque and normalised, and stands in every primitive") {
