@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 
 #include <catch2/catch.hpp>
 
@@ -106,6 +107,39 @@ TEST_CASE("isolated vertices get zeros, welded copies equal values") {
   CHECK(k.k1[mesh.positions.size() - 2] == k.k1[0]);
   CHECK(k.k1.back() == 0.0);
   CHECK(k.dir1.back().isZero());
+}
+
+TEST_CASE("curvature as floats is the curvature, rounded, on every instruction set") {
+  const IndexedMesh source = with_normal_noise(torus(24, 11, 1.0, 0.4), 0.2, 7);
+  const auto mesh = TriangleMesh::build(source);
+  REQUIRE(mesh);
+  for (const Isa isa : {Isa::portable, Isa::avx2, Isa::avx512}) {
+    if (isa > best_isa()) continue;
+    Execution execution;
+    execution.isa = isa;
+    const CurvatureFields k = curvature(*mesh, mesh->positions(), execution);
+    const CurvatureFloats f = curvature_floats(*mesh, mesh->positions(), execution);
+    for (std::size_t v = 0; v < mesh->vertex_count(); ++v) {
+      CHECK(f.k1[v] == static_cast<float>(k.k1[v]));
+      CHECK(f.k2[v] == static_cast<float>(k.k2[v]));
+      CHECK(f.mean[v] == static_cast<float>(k.mean[v]));
+      CHECK(f.gaussian[v] == static_cast<float>(k.gaussian[v]));
+      CHECK(f.predominant[v] == static_cast<float>(k.predominant[v]));
+      for (int c = 0; c < 3; ++c) {
+        const std::size_t i = 3 * v + static_cast<std::size_t>(c);
+        CHECK(f.dir1[i] == static_cast<float>(k.dir1[v][c]));
+        CHECK(f.dir2[i] == static_cast<float>(k.dir2[v][c]));
+      }
+    }
+  }
+}
+
+TEST_CASE("curvature beyond single precision becomes its largest number") {
+  const auto mesh = TriangleMesh::build(sphere(1, 1e-30));
+  REQUIRE(mesh);
+  const CurvatureFloats k = curvature_floats(*mesh, mesh->positions());
+  CHECK(k.mean[0] == Approx(1e30).epsilon(0.2));
+  for (const float gaussian : k.gaussian) CHECK(gaussian == std::numeric_limits<float>::max());
 }
 
 }  // namespace fairway::test

@@ -1,11 +1,17 @@
 #include "server/os/file.h"
 
+#include <algorithm>
+#include <array>
+#include <climits>
 #include <set>
 #include <string_view>
+#include <thread>
+#include <vector>
 
 #include <catch2/catch.hpp>
 #include <fcntl.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include "server/os/child_process.h"
 #include "server/os/line_reader.h"
@@ -53,6 +59,35 @@ TEST_CASE("a full disk is told from a broken file") {
   const auto absent = open_file("/nonexistent/file", O_RDONLY);
   REQUIRE_FALSE(absent);
   CHECK(absent.error().code == ErrorCode::io);
+}
+
+TEST_CASE("pieces arrive in order however many there are and however little is taken at once") {
+  std::array<int, 2> ends{};
+  REQUIRE(pipe2(ends.data(), O_CLOEXEC) == 0);
+  const UniqueFd from(ends[0]);
+  UniqueFd to(ends[1]);
+  fcntl(to.get(), F_SETPIPE_SZ, 4096);
+  std::vector<std::byte> whole(100'000);
+  for (std::size_t i = 0; i < whole.size(); ++i) whole[i] = static_cast<std::byte>(i * i >> 7U);
+  std::vector<std::span<const std::byte>> pieces;
+  for (std::size_t at = 0, size = 1; at < whole.size(); at += size, size = 1 + at % 83) {
+    pieces.push_back(std::span(whole).subspan(at, std::min(size, whole.size() - at)));
+  }
+  pieces.push_back(std::span(whole).first(50'000));
+  REQUIRE(pieces.size() > IOV_MAX);
+  std::vector<std::byte> got;
+  std::thread reader([&] {
+    std::array<std::byte, 777> buffer{};
+    for (ssize_t n = 0; (n = ::read(from.get(), buffer.data(), buffer.size())) > 0;) {
+      got.insert(got.end(), buffer.begin(), buffer.begin() + n);
+    }
+  });
+  const auto written = write_all(to.get(), pieces);
+  to = UniqueFd();
+  reader.join();
+  REQUIRE(written);
+  whole.insert(whole.end(), whole.begin(), whole.begin() + 50'000);
+  CHECK(got == whole);
 }
 
 TEST_CASE("random ids are URL-safe, of one shape, and differ") {
