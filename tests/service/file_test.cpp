@@ -10,6 +10,8 @@
 
 #include <catch2/catch.hpp>
 #include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -75,16 +77,23 @@ TEST_CASE("pieces arrive in order however many there are and however little is t
   }
   pieces.push_back(std::span(whole).first(50'000));
   REQUIRE(pieces.size() > IOV_MAX);
+  // A signal makes the system stop in the middle of a write.
+  struct sigaction interrupt = {};
+  interrupt.sa_handler = [](int /*signal*/) {};
+  struct sigaction before = {};
+  REQUIRE(sigaction(SIGUSR1, &interrupt, &before) == 0);
   std::vector<std::byte> got;
-  std::thread reader([&] {
+  std::thread reader([&, writer = pthread_self()] {
     std::array<std::byte, 777> buffer{};
     for (ssize_t n = 0; (n = ::read(from.get(), buffer.data(), buffer.size())) > 0;) {
       got.insert(got.end(), buffer.begin(), buffer.begin() + n);
+      pthread_kill(writer, SIGUSR1);
     }
   });
   const auto written = write_all(to.get(), pieces);
   to = UniqueFd();
   reader.join();
+  sigaction(SIGUSR1, &before, nullptr);
   REQUIRE(written);
   whole.insert(whole.end(), whole.begin(), whole.begin() + 50'000);
   CHECK(got == whole);
