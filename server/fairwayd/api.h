@@ -32,8 +32,7 @@ class Api final : public HttpApplication {
   Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor, const Log& log,
       const ApiOptions& options, std::stop_token stop);
 
-  std::vector<std::string> upload_paths() const override;
-  bool is_upload(const HttpRequest& request) const override;
+  bool wants_body(const HttpRequest& request) const override;
   HttpResponse answer(const HttpRequest& request, BodySource& body) override;
 
  private:

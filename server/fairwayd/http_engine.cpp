@@ -156,18 +156,21 @@ class Talk final : private httplib::Server {
 void Talk::set_handlers() {
   set_pre_routing_handler([this](const httplib::Request& from, httplib::Response& to) {
     const HttpRequest request = request_of(from);
-    if (application_.is_upload(request)) return HandlerResponse::Unhandled;
+    if (application_.wants_body(request)) return HandlerResponse::Unhandled;
     NoBody body;
     put(application_.answer(request, body), to);
     return HandlerResponse::Handled;
   });
-  for (const std::string& path : application_.upload_paths()) {
-    Post(path, [this](const httplib::Request& from, httplib::Response& to,
-                      const httplib::ContentReader& reader) {
-      LibraryBody body(reader, from.is_multipart_form_data(), stream_);
-      put(application_.answer(request_of(from), body), to);
-    });
-  }
+  const HandlerWithContentReader with_body = [this](const httplib::Request& from,
+                                                    httplib::Response& to,
+                                                    const httplib::ContentReader& reader) {
+    LibraryBody body(reader, from.is_multipart_form_data(), stream_);
+    put(application_.answer(request_of(from), body), to);
+  };
+  constexpr const char* kAnyPath = "/.*";
+  Post(kAnyPath, with_body);
+  Put(kAnyPath, with_body);
+  Patch(kAnyPath, with_body);
   // What the library refuses by itself: a request line or headers it cannot read.
   set_error_handler(HandlerWithResponse([this](const httplib::Request&, httplib::Response& to) {
     if (!to.body.empty() || to.content_provider_) return HandlerResponse::Unhandled;
@@ -193,7 +196,8 @@ HttpRequest Talk::request_of(const httplib::Request& from) const {
   request.method = from.method;
   request.path = from.path;
   for (const auto& [name, value] : from.params) request.query.emplace_back(name, value);
-  request.content_type = from.get_header_value("Content-Type");
+  request.headers = head_->headers;
+  request.content_type = request.header("content-type").value_or("");
   request.has_content_encoding = head_->has_content_encoding;
   request.has_length = head_->framing.chunked || head_->framing.length.has_value();
   request.content_length = head_->framing.length;

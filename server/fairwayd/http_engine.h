@@ -14,13 +14,10 @@ class HttpApplication {
  public:
   virtual ~HttpApplication() = default;
 
-  /// Regular expressions (ECMAScript) of the paths to which a body may be sent by POST.
-  virtual std::vector<std::string> upload_paths() const = 0;
+  /// True where the body will be wanted; only of POST, PUT and PATCH.
+  virtual bool wants_body(const HttpRequest& request) const = 0;
 
-  /// True where `body` will be wanted: a POST to one of upload_paths().
-  virtual bool is_upload(const HttpRequest& request) const = 0;
-
-  /// The answer to a request; `body` is empty unless is_upload(). A body that is not read to its
+  /// The answer to a request; `body` is empty unless wants_body(). A body that is not read to its
   /// end ends the connection.
   virtual HttpResponse answer(const HttpRequest& request, BodySource& body) = 0;
 };

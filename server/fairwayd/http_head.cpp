@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
 
 namespace fairway {
 namespace {
@@ -110,6 +111,9 @@ Result<void> take_header(std::string_view line, RequestHead& head) {
   } else if (same(name, "Connection")) {
     if (same(value, "close")) head.keep_alive = false;
   }
+  std::string key(name);
+  std::transform(key.begin(), key.end(), key.begin(), lower);
+  head.headers.emplace_back(std::move(key), value);
   if (!is_dealt_with(name)) head.text.append(line).append("\r\n");
   return {};
 }

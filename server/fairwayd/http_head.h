@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/result.h"
 
@@ -29,6 +31,8 @@ struct RequestHead {
   bool keep_alive = true;
   bool has_content_encoding = false;  ///< other than identity
   bool expects_continue = false;
+  /// All headers but those that frame the message; names in lower case.
+  std::vector<std::pair<std::string, std::string>> headers;
   /// The same head for the HTTP library, without the lines that are dealt with before it: framing,
   /// Expect, and what would make it transform bodies (Accept-Encoding, Range).
   std::string text;

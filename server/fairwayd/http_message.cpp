@@ -6,6 +6,13 @@
 
 namespace fairway {
 
+std::optional<std::string_view> HttpRequest::header(std::string_view name) const {
+  for (const auto& [key, value] : headers) {
+    if (key == name) return value;
+  }
+  return std::nullopt;
+}
+
 HttpResponse json_response(const Json& json, int status) {
   HttpResponse response;
   response.status = status;

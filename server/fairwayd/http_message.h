@@ -23,12 +23,16 @@ struct HttpRequest {
   std::string method;
   std::string path;                             ///< percent-decoded, without the query
   NameValues query;                             ///< percent-decoded, in no particular order
+  NameValues headers;                           ///< names in lower case, as they came
   std::string content_type;                     ///< with its parameters; empty if absent
   bool has_content_encoding = false;            ///< other than identity
   bool has_length = false;                      ///< framed by Content-Length or chunks
   std::optional<std::uint64_t> content_length;  ///< where it is declared
   /// False once the client has hung up. May be asked from the thread that answers.
   std::function<bool()> client_is_there = [] { return true; };
+
+  /// The value of the header, by its name in lower case; of several the first.
+  std::optional<std::string_view> header(std::string_view name) const;
 };
 
 /// A file as a body; sent from its start.

@@ -1,51 +1,80 @@
 #include "server/fairwayd/routes.h"
 
+#include <algorithm>
+#include <array>
+
 #include "server/os/random_id.h"
 
 namespace fairway {
+namespace {
+
+struct Row {
+  Place place;
+  std::string_view path;
+  std::string_view methods;
+  std::string_view body_methods = {};  ///< those of them with a body
+};
+
+constexpr std::array kRows = {
+    Row{Place::livez, "/livez", "GET, HEAD"},
+    Row{Place::jobs, "/v1/jobs", "GET, HEAD, POST", "POST"},
+    Row{Place::job, "/v1/jobs/{id}", "GET, HEAD, DELETE"},
+    Row{Place::job_result, "/v1/jobs/{id}/result", "GET, HEAD"},
+    Row{Place::job_cancel, "/v1/jobs/{id}/cancel", "POST"},
+    Row{Place::denoise, "/v1/denoise", "POST", "POST"},
+    Row{Place::inspect, "/v1/inspect", "POST", "POST"},
+};
+
+constexpr std::string_view kId = "{id}";
+
+/// The id that `path` has where the pattern says {id}; "" where that says nothing.
+std::optional<std::string> match(std::string_view pattern, std::string_view path) {
+  const std::size_t at = pattern.find(kId);
+  if (at == std::string_view::npos) {
+    return pattern == path ? std::optional(std::string()) : std::nullopt;
+  }
+  if (!path.starts_with(pattern.substr(0, at))) return std::nullopt;
+  path.remove_prefix(at);
+  const std::string_view id = path.substr(0, path.find('/'));
+  if (!is_random_id(id) || path.substr(id.size()) != pattern.substr(at + kId.size())) {
+    return std::nullopt;
+  }
+  return std::string(id);
+}
+
+const Row& row_of(Place place) {
+  return *std::find_if(kRows.begin(), kRows.end(),
+                       [place](const Row& row) { return row.place == place; });
+}
+
+bool lists(std::string_view methods, std::string_view method) {
+  while (!methods.empty()) {
+    const std::size_t comma = methods.find(", ");
+    if (methods.substr(0, comma) == method) return true;
+    methods = comma == std::string_view::npos ? std::string_view() : methods.substr(comma + 2);
+  }
+  return false;
+}
+
+}  // namespace
 
 std::optional<Route> route_of(std::string_view path) {
-  constexpr std::string_view kJobs = "/v1/jobs";
-  if (path == "/livez") return Route{Place::livez, {}};
-  if (path == "/v1/denoise") return Route{Place::denoise, {}};
-  if (path == "/v1/inspect") return Route{Place::inspect, {}};
-  if (path == kJobs) return Route{Place::jobs, {}};
-  if (!path.starts_with(kJobs) || path.at(kJobs.size()) != '/') return std::nullopt;
-  const std::string_view rest = path.substr(kJobs.size() + 1);
-  const std::string_view id = rest.substr(0, rest.find('/'));
-  if (!is_random_id(id)) return std::nullopt;
-  const std::string_view tail = rest.substr(id.size());
-  if (tail.empty()) return Route{Place::job, std::string(id)};
-  if (tail == "/result") return Route{Place::job_result, std::string(id)};
-  if (tail == "/cancel") return Route{Place::job_cancel, std::string(id)};
+  for (const Row& row : kRows) {
+    if (auto id = match(row.path, path)) return Route{row.place, *std::move(id)};
+  }
   return std::nullopt;
 }
 
 std::string_view allowed_methods(Place place) {
-  switch (place) {
-    case Place::livez:
-    case Place::job_result:
-      return "GET, HEAD";
-    case Place::jobs:
-      return "GET, HEAD, POST";
-    case Place::job:
-      return "GET, HEAD, DELETE";
-    case Place::job_cancel:
-    case Place::denoise:
-    case Place::inspect:
-      return "POST";
-  }
-  return "";
+  return row_of(place).methods;
 }
 
 bool is_allowed(Place place, std::string_view method) {
-  std::string_view rest = allowed_methods(place);
-  while (!rest.empty()) {
-    const std::size_t comma = rest.find(", ");
-    if (rest.substr(0, comma) == method) return true;
-    rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 2);
-  }
-  return false;
+  return lists(allowed_methods(place), method);
+}
+
+bool takes_body(Place place, std::string_view method) {
+  return lists(row_of(place).body_methods, method);
 }
 
 }  // namespace fairway

@@ -6,7 +6,7 @@
 
 namespace fairway {
 
-/// The places of the API.
+/// The places of the API. Their paths and methods stand in one table, in routes.cpp.
 enum class Place {
   livez,       ///< /livez
   jobs,        ///< /v1/jobs
@@ -19,7 +19,7 @@ enum class Place {
 
 struct Route {
   Place place = Place::livez;
-  std::string job_id;  ///< of the shape of an id, for the places of one job
+  std::string id;  ///< what stands for {id}, of the shape of an id
 };
 
 /// The place of a decoded path; nothing where there is none, or where {id} cannot be an id.
@@ -30,5 +30,8 @@ std::string_view allowed_methods(Place place);
 
 /// True where the method is one of them.
 bool is_allowed(Place place, std::string_view method);
+
+/// True where the place wants the body of such a request.
+bool takes_body(Place place, std::string_view method);
 
 }  // namespace fairway

@@ -19,6 +19,15 @@ bool is_refused(const std::string& head) {
 
 }  // namespace
 
+TEST_CASE("headers are kept with their names in lower case, in their order") {
+  const auto head = parse_request_head(post("RANGE:  bytes=0-9 \r\nX-Twice: a\r\nx-twice: b\r\n"));
+  REQUIRE(head);
+  const std::vector<std::pair<std::string, std::string>> expected = {
+      {"host", "t"}, {"range", "bytes=0-9"}, {"x-twice", "a"}, {"x-twice", "b"}};
+  CHECK(head->headers == expected);
+  CHECK(head->text.find("RANGE") == std::string::npos);
+}
+
 TEST_CASE("a head says how its body ends") {
   const auto length = parse_request_head(post("content-length: 12\r\n"));
   REQUIRE(length);

@@ -23,7 +23,7 @@ TEST_CASE("the paths of the API lead to their places") {
   CHECK(place("/v1/jobs/" + id) == Place::job);
   CHECK(place("/v1/jobs/" + id + "/result") == Place::job_result);
   CHECK(place("/v1/jobs/" + id + "/cancel") == Place::job_cancel);
-  CHECK(route_of("/v1/jobs/" + id)->job_id == id);
+  CHECK(route_of("/v1/jobs/" + id)->id == id);
 }
 
 TEST_CASE("other paths lead nowhere") {
@@ -53,4 +53,11 @@ TEST_CASE("a method is allowed exactly where it is listed") {
   CHECK(is_allowed(Place::job, "DELETE"));
   CHECK(is_allowed(Place::inspect, "POST"));
   CHECK_FALSE(is_allowed(Place::inspect, "GET"));
+}
+
+TEST_CASE("a body is wanted where something is sent") {
+  CHECK(takes_body(Place::jobs, "POST"));
+  CHECK(takes_body(Place::denoise, "POST"));
+  CHECK_FALSE(takes_body(Place::jobs, "GET"));
+  CHECK_FALSE(takes_body(Place::job_cancel, "POST"));
 }

@@ -1,0 +1,45 @@
+// The result of a job, or why there is none.
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "server/fairwayd/api.h"
+
+namespace fairway {
+
+HttpResponse Api::show_result(const std::string& id) {
+  const auto job = jobs_.find(id);
+  return job ? result_of(*job) : refuse(job.error());
+}
+
+HttpResponse Api::result_of(const Job& job) {
+  if (job.state == JobState::failed) {
+    return problem_response(
+        job.problem.value_or(Error{ErrorCode::internal, "The job failed without a reason."}));
+  }
+  if (job.state == JobState::canceled) {
+    return problem_response({ErrorCode::canceled, "The job was canceled and has no result."});
+  }
+  if (job.state == JobState::expired) {
+    return problem_response({ErrorCode::gone, "The result is no longer kept: send the job again."});
+  }
+  if (!job.result) {
+    HttpResponse response = problem_response(
+        {ErrorCode::not_ready, "The job has no result yet: ask again when it has succeeded."});
+    response.headers.emplace_back("Retry-After", "1");
+    return response;
+  }
+  auto file = blobs_.open(job.result->key);
+  if (!file) return refuse(file.error());
+  HttpResponse response;
+  response.content_type = media_type_of(job.result_format);
+  response.file = FileBody{std::move(*file), job.result->bytes};
+  response.headers.emplace_back("ETag", '"' + job.result->sha256 + '"');
+  response.headers.emplace_back(
+      "Content-Disposition",
+      fmt::format("attachment; filename=\"{}.{}\"", job.id, name_of(job.result_format)));
+  return response;
+}
+
+}  // namespace fairway

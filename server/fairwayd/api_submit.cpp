@@ -1,0 +1,90 @@
+// From an upload to a queued job, and the synchronous way to its result.
+
+#include <chrono>
+#include <utility>
+
+#include "server/fairwayd/api.h"
+#include "server/fairwayd/upload.h"
+#include "server/os/random_id.h"
+
+namespace fairway {
+namespace {
+
+/// How often a waiting request looks whether its client is still there.
+constexpr std::chrono::milliseconds kLookForClient{200};
+
+}  // namespace
+
+HttpResponse Api::submit_job(const HttpRequest& request, BodySource& body) {
+  const auto job = submit(request, body);
+  return job ? job_response(*job, 202) : refuse_upload(job.error());
+}
+
+HttpResponse Api::denoise(const HttpRequest& request, BodySource& body) {
+  const auto job = submit(request, body);
+  return job ? wait_for_result(*job, request) : refuse_upload(job.error());
+}
+
+/// Jobs and inspections wait in one queue.
+Result<void> Api::check_queue() {
+  const auto queued = jobs_.queue_length();
+  if (!queued) return queued.error();
+  if (*queued + supervisor_.waiting_inspections() >= options_.queue_limit) {
+    return Error{ErrorCode::queue_full, "The queue is full: try again later."};
+  }
+  return {};
+}
+
+/// Order is the promise of a 202: the input is durable, then the row is committed.
+Result<Job> Api::submit(const HttpRequest& request, BodySource& body) {
+  if (auto checked = check_upload(request, options_.max_mesh_bytes); !checked) {
+    return checked.error();
+  }
+  if (auto room = check_queue(); !room) return room.error();
+  auto upload = receive_upload(request, body, blobs_, options_.max_mesh_bytes);
+  if (!upload) return upload.error();
+  const std::string id = random_id();
+  auto input = upload->mesh->commit("in-" + id);
+  if (!input) return input.error();
+  const NewJob job{id, *input, upload->format, dump_json(parameters_document(upload->parameters)),
+                   upload->files};
+  auto stored = jobs_.submit(job, options_.queue_limit);
+  if (!stored) {
+    [[maybe_unused]] const auto removed = blobs_.remove(input->key);  // else swept at the start
+    return stored.error();
+  }
+  log_.write(LogLevel::info, "job_queued", {{"job", id}, {"bytes", input->bytes}});
+  board_.announce();
+  supervisor_.wake();
+  return stored;
+}
+
+HttpResponse Api::wait_for_result(const Job& submitted, const HttpRequest& request) {
+  const std::string location = "/v1/jobs/" + submitted.id;
+  while (true) {
+    const std::uint64_t turn = board_.turn();
+    const auto job = jobs_.find(submitted.id);
+    HttpResponse response;
+    if (!job) {
+      response = refuse(job.error());
+    } else if (is_final(job->state)) {
+      response = result_of(*job);
+    } else if (!request.client_is_there()) {
+      // Where the cancel cannot be written the job runs to its end, as one without a waiting
+      // client.
+      [[maybe_unused]] const auto canceled = cancel(submitted.id);
+      response = problem_response({ErrorCode::canceled, "The client hung up."});
+      response.close = true;
+    } else if (stop_.stop_requested()) {
+      response = problem_response(
+          {ErrorCode::unavailable, "The server is stopping; the job goes on when it is back."});
+    } else {
+      board_.wait(turn, kLookForClient, stop_);
+      continue;
+    }
+    response.headers.emplace_back("Location", location);
+    return response;
+  }
+}
+
+}  // namespace fairway
