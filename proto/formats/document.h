@@ -13,6 +13,7 @@
 #include "proto/formats/byte_chain.h"
 #include "proto/formats/side_files.h"
 #include "proto/formats/vertex_colors.h"
+#include "proto/formats/vertex_extras.h"
 #include "proto/messages/encoding.h"
 #include "proto/messages/format.h"
 
@@ -87,6 +88,7 @@ struct FileFacts {
   std::size_t primitives = 1;  ///< of all kinds
   /// What write_fresh_mesh() does not carry over: "3 materials", "transformations of nodes" …
   std::vector<std::string> left_behind;
+  ExtraKinds extras;  ///< that it carries over where the format has a place for them
   /// Sentences about parts that a job does not compute with and that are no matter for its notes.
   std::vector<std::string> untouched;
 };
@@ -114,6 +116,13 @@ class Document {
   /// Errors: unsupported_feature (a format this document cannot become), too_large.
   virtual Result<Encoded> write(std::span<const SurfaceResult> results, Format format,
                                 const Encoding& encoding) const = 0;
+
+  /// The extras that facts() lists, one after the other for each vertex. They are read when they
+  /// are asked for. Errors: invalid_mesh, unsupported_feature, too_large (what cannot be read).
+  virtual Result<ColorValues> read_colors() const { return ColorValues{}; }
+  virtual Result<std::vector<float>> read_texture_coordinates() const {
+    return std::vector<float>{};
+  }
 
   /// The bytes of write() with the default encoding.
   Result<std::vector<std::byte>> encode(std::span<const SurfaceResult> results,

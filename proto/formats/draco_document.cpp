@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "proto/formats/draco_decoder.h"
+#include "proto/formats/draco_extras.h"
 #include "proto/formats/draco_parts.h"
 #include "proto/formats/fresh_compression.h"
 #include "proto/formats/surface_result.h"
@@ -17,9 +17,8 @@
 namespace fairway {
 namespace {
 
-/// Longest name of an attribute that is taken over into a glTF.
-constexpr std::size_t kLongestName = 64;
 constexpr const char* kColors = "COLOR_0";
+constexpr const char* kTextureCoordinates = "TEXCOORD_0";
 
 std::vector<Vec3> to_vectors(const std::vector<double>& values) {
   std::vector<Vec3> out;
@@ -41,7 +40,12 @@ class DracoDocument final : public Document {
   DracoDocument(ByteSpan source, DracoMesh mesh, Surface surface, std::vector<KeptAttribute> kept)
       : source_(source), mesh_(std::move(mesh)), kept_(std::move(kept)) {
     surfaces_.push_back(std::move(surface));
-    if (!kept_.empty()) facts_.left_behind.push_back(counted(kept_.size(), "other attribute"));
+    facts_.extras = kinds();
+    const auto carried = static_cast<std::size_t>(facts_.extras.color_components > 0) +
+                         static_cast<std::size_t>(facts_.extras.texture_coordinates);
+    if (kept_.size() > carried) {
+      facts_.left_behind.push_back(counted(kept_.size() - carried, "other attribute"));
+    }
   }
 
   Result<Encoded> write(std::span<const SurfaceResult> results, Format format,
@@ -51,7 +55,19 @@ class DracoDocument final : public Document {
     return write_gltf(results.front(), format, encoding);
   }
 
+  Result<ColorValues> read_colors() const override {
+    const DracoAttribute* colors = find(kColors);
+    return colors == nullptr ? ColorValues{} : draco_colors(mesh_, *colors);
+  }
+  Result<std::vector<float>> read_texture_coordinates() const override {
+    const DracoAttribute* values = find(kTextureCoordinates);
+    return values == nullptr ? std::vector<float>{} : draco_texture_coordinates(mesh_, *values);
+  }
+
  private:
+  ExtraKinds kinds() const;
+  const DracoAttribute* find(std::string_view gltf_name) const;
+  std::vector<std::string> add_kept(const SurfaceResult& result, FreshMesh& mesh) const;
   Result<Encoded> write_draco(const SurfaceResult& result, const DracoOptions& options) const;
   Result<Encoded> write_gltf(const SurfaceResult& result, Format format, Encoding encoding) const;
   Result<DracoPart> kept_part(const DracoAttribute& attribute, const DracoOptions& options) const;
@@ -131,30 +147,43 @@ Result<Encoded> DracoDocument::write_draco(const SurfaceResult& result,
                  {describe_surface(surface.name, grids, result.attributes)}};
 }
 
-/// Bytes and shorts keep their type; of the larger ones glTF knows only floats in a vertex.
-Packing packing_of(const DracoAttribute& attribute) {
-  const bool color = attribute.kind == DracoKind::color;
-  const bool texture = attribute.kind == DracoKind::tex_coord;
-  const bool small = attribute.type == ComponentType::u8 || attribute.type == ComponentType::u16;
-  const bool signed_small =
-      attribute.type == ComponentType::i8 || attribute.type == ComponentType::i16;
-  if (color || texture) {
-    // Both are floats or normalized u8 and u16 in glTF.
-    return {small ? *attribute.type : ComponentType::f32, small, attribute.components};
+const DracoAttribute* DracoDocument::find(std::string_view gltf_name) const {
+  const auto at = std::find_if(kept_.begin(), kept_.end(),
+                               [&](const KeptAttribute& kept) { return kept.name == gltf_name; });
+  return at == kept_.end() ? nullptr : at->attribute;
+}
+
+ExtraKinds DracoDocument::kinds() const {
+  const DracoAttribute* color = find(kColors);
+  return {color == nullptr ? 0 : color->components, find(kTextureCoordinates) != nullptr};
+}
+
+/// What cannot be read is left out, which the notes say.
+std::vector<std::string> DracoDocument::add_kept(const SurfaceResult& result,
+                                                 FreshMesh& mesh) const {
+  std::vector<std::string> notes;
+  for (const auto& [attribute, name] : kept_) {
+    if (name.empty()) {
+      notes.push_back(fmt::format("Draco attribute {} has no place in glTF and is left out",
+                                  attribute->unique_id));
+    }
+    const bool recolored = name == kColors && result.colors_vertices(true);
+    if (name.empty() || replaces(result, name) || recolored) continue;
+    auto packed = pack_for_gltf(mesh_, *attribute);
+    if (packed) {
+      mesh.attributes.push_back({name, *std::move(packed)});
+    } else {
+      notes.push_back(fmt::format("Draco attribute {} is left out. {}", attribute->unique_id,
+                                  packed.error().message));
+    }
   }
-  const bool fits = small || signed_small;
-  return {fits ? *attribute.type : ComponentType::f32, fits && attribute.normalized,
-          attribute.components};
+  return notes;
 }
 
 Result<Encoded> DracoDocument::write_gltf(const SurfaceResult& result, Format format,
                                           Encoding encoding) const {
   const Surface& surface = surfaces_.front();
-  const bool has_colors = std::any_of(
-      kept_.begin(), kept_.end(), [](const KeptAttribute& kept) { return kept.name == kColors; });
-  const bool colors = result.colors_vertices(has_colors);
   FreshMesh mesh;
-  std::vector<std::string> notes;
   mesh.triangles = surface.mesh.triangles;
   mesh.attributes.push_back(
       {"POSITION", pack_vectors(result.moved ? result.positions : surface.mesh.positions)});
@@ -162,21 +191,17 @@ Result<Encoded> DracoDocument::write_gltf(const SurfaceResult& result, Format fo
     mesh.attributes.push_back(
         {"NORMAL", pack_vectors(result.moved ? result.normals : surface.normals)});
   }
-  for (const auto& [attribute, name] : kept_) {
-    if (name.empty()) {
-      notes.push_back(fmt::format("Draco attribute {} has no place in glTF and is left out",
-                                  attribute->unique_id));
-    }
-    if (name.empty() || replaces(result, name) || (colors && name == kColors)) continue;
-    const auto values = mesh_.values(*attribute);
-    if (!values) return values.error();
-    mesh.attributes.push_back({name, pack_values(*values, packing_of(*attribute))});
-  }
+  const std::vector<std::string> notes = add_kept(result, mesh);
   for (const VertexAttribute& attribute : result.attributes) {
     mesh.attributes.push_back(
         {attribute.name, pack_floats(attribute.values, attribute.components)});
   }
-  if (colors) mesh.attributes.push_back({kColors, pack_linear_colors(result.colors->values)});
+  const bool has_colors =
+      std::any_of(mesh.attributes.begin(), mesh.attributes.end(),
+                  [](const FreshMesh::Attribute& written) { return written.name == kColors; });
+  if (result.colors_vertices(has_colors)) {
+    mesh.attributes.push_back({kColors, pack_linear_colors(result.colors->values)});
+  }
   // It came as Draco.
   if (encoding.compression == Compression::keep) encoding.compression = Compression::draco;
   auto written = write_fresh_gltf(mesh, format, encoding, surface.name);
@@ -217,38 +242,6 @@ Result<Surface> read_surface(DracoMesh& mesh) {
   }
   return surface;
 }
-
-/// A name that an application may give to an attribute in glTF.
-bool is_custom_name(std::string_view name) {
-  return name.starts_with('_') && name.size() <= kLongestName &&
-         std::all_of(name.begin(), name.end(), [](unsigned char c) {
-           return c == '_' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') ||
-                  (c >= 'a' && c <= 'z');
-         });
-}
-
-/// Hands out the names that Draco attributes get in glTF.
-class GltfNames {
- public:
-  /// "" for an attribute without a place there.
-  std::string name(const DracoAttribute& attribute) {
-    const bool fits_color = attribute.components == 3 || attribute.components == 4;
-    if (attribute.kind == DracoKind::tex_coord && attribute.components == 2) {
-      return fmt::format("TEXCOORD_{}", texture_coordinates_++);
-    }
-    if (attribute.kind == DracoKind::color && fits_color) {
-      return fmt::format("COLOR_{}", colors_++);
-    }
-    const bool fits = attribute.components >= 1 && attribute.components <= 4;
-    if (attribute.kind != DracoKind::generic || !fits || !is_custom_name(attribute.name)) return {};
-    return names_.insert(attribute.name).second ? attribute.name : std::string();
-  }
-
- private:
-  int texture_coordinates_ = 0;
-  int colors_ = 0;
-  std::set<std::string, std::less<>> names_;
-};
 
 Result<std::vector<KeptAttribute>> list_kept(const DracoMesh& mesh) {
   std::vector<KeptAttribute> out;

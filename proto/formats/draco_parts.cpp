@@ -16,6 +16,23 @@ std::span<const float> floats_of(const PackedValues& values) {
   return {reinterpret_cast<const float*>(values.bytes.data()), values.bytes.size() / sizeof(float)};
 }
 
+/// The attribute TEX_COORD of a mesh without a scene: u and v of each vertex.
+DracoPart texture_part(std::span<const float> values, const DracoOptions& options) {
+  return {.kind = DracoKind::tex_coord,
+          .name = {},
+          .components = 2,
+          .values = values,
+          .grid = make_grid(value_bounds(values, 2), options.texcoord_bits)};
+}
+
+/// The attribute COLOR, in sRGB as in PLY.
+DracoPart color_part(const ColorValues& colors) {
+  return {.kind = DracoKind::color,
+          .name = {},
+          .components = colors.components,
+          .values = pack_srgb_colors(colors)};
+}
+
 bool any_zero(std::span<const float> vectors) {
   for (std::size_t i = 0; i + 2 < vectors.size(); i += 3) {
     if (vectors[i] == 0.0F && vectors[i + 1] == 0.0F && vectors[i + 2] == 0.0F) return true;
@@ -123,10 +140,11 @@ DracoPart gltf_part(std::string_view name, const PackedValues& values,
 }
 
 Result<Encoded> write_fresh_draco(const Surface& surface, const SurfaceResult& result,
-                                  const DracoOptions& options) {
+                                  const DracoOptions& options, const VertexExtras& extras) {
   const std::vector<Vec3>& positions = result.moved ? result.positions : surface.mesh.positions;
   const std::vector<Vec3>& normals = result.moved ? result.normals : surface.normals;
   const SurfaceGrids grids = make_surface_grids(positions, result.attributes, options);
+  std::string note = describe_surface(surface.name, grids, result.attributes);
   DracoSource source;
   source.triangles = surface.mesh.triangles;
   source.points = static_cast<Index>(positions.size());
@@ -136,12 +154,15 @@ Result<Encoded> write_fresh_draco(const Surface& surface, const SurfaceResult& r
     source.parts.push_back(
         attribute_part(result.attributes[i], grids.attributes[i], 0, source.points));
   }
-  if (result.colors) source.parts.push_back(color_part(*result.colors));
+  if (!extras.texture_coordinates.empty()) {
+    source.parts.push_back(texture_part(extras.texture_coordinates, options));
+    note += "; " + describe_grid("TEX_COORD", source.parts.back().grid);
+  }
+  if (!extras.colors.empty()) source.parts.push_back(color_part(extras.colors));
   auto stream =
       encode_draco(source, options.level, options.keep_order ? DracoOrder::kept : DracoOrder::free);
   if (!stream) return stream.error();
-  return Encoded{ByteChain(std::move(stream->bytes)),
-                 {describe_surface(surface.name, grids, result.attributes)}};
+  return Encoded{ByteChain(std::move(stream->bytes)), {std::move(note)}};
 }
 
 }  // namespace fairway

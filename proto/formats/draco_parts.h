@@ -56,8 +56,9 @@ std::optional<QuantizationGrid> gltf_grid(std::string_view name, const PackedVal
 /// A whole attribute of a new glTF, positions and normals included. `values` must outlive it.
 DracoPart gltf_part(std::string_view name, const PackedValues& values, const DracoOptions& options);
 
-/// A new .drc around one surface.
+/// A new .drc around one surface with the attributes of `result` (its colours must be in `extras`).
+/// Errors: those of encode_draco().
 Result<Encoded> write_fresh_draco(const Surface& surface, const SurfaceResult& result,
-                                  const DracoOptions& options);
+                                  const DracoOptions& options, const VertexExtras& extras = {});
 
 }  // namespace fairway

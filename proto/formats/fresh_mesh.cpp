@@ -1,37 +1,16 @@
-// New PLY, OBJ and STL files, and which document is written how.
+// New files around one surface, and which document is written how.
 
 #include "proto/formats/fresh_mesh.h"
 
-#include <array>
-#include <cctype>
-#include <limits>
-
 #include <fmt/format.h>
 
-#include "proto/formats/bytes.h"
 #include "proto/formats/draco_parts.h"
 #include "proto/formats/fresh_compression.h"
-#include "proto/formats/polygons.h"
-#include "proto/formats/stl_triangles.h"
+#include "proto/formats/fresh_shape.h"
 #include "proto/formats/surface_result.h"
-#include "proto/formats/text_lines.h"
 
 namespace fairway {
 namespace {
-
-/// What is written, wherever it stands.
-struct Parts {
-  const std::vector<Vec3>& positions;
-  const std::vector<Triangle>& triangles;
-  const std::vector<Vec3>& normals;
-  const std::vector<VertexAttribute>& attributes;
-  const std::optional<VertexColors>& colors;
-};
-
-std::vector<std::byte> bytes_of(std::string_view text) {
-  const ByteSpan bytes = as_bytes(text);
-  return {bytes.begin(), bytes.end()};
-}
 
 bool is_shape(Format format) {
   return format == Format::ply || format == Format::obj || format == Format::stl;
@@ -42,94 +21,7 @@ bool holds_one_mesh(Format format) {
   return is_shape(format) || format == Format::drc;
 }
 
-std::string ply_header(const Parts& parts, bool floats, bool signed_indices) {
-  std::string out =
-      fmt::format("ply\nformat binary_little_endian 1.0\ncomment fairway\nelement vertex {}\n",
-                  parts.positions.size());
-  for (const char* name : {"x", "y", "z"}) {
-    out += fmt::format("property {} {}\n", floats ? "float" : "double", name);
-  }
-  if (!parts.normals.empty()) out += "property float nx\nproperty float ny\nproperty float nz\n";
-  for (const VertexAttribute& attribute : parts.attributes) {
-    for (const std::string& name : property_names(attribute)) {
-      out += fmt::format("property float {}\n", name);
-    }
-  }
-  if (parts.colors) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  out += fmt::format("element face {}\nproperty list uchar {} vertex_indices\nend_header\n",
-                     parts.triangles.size(), signed_indices ? "int" : "uint");
-  return out;
-}
-
-void append_floats(const Vec3& vector, std::vector<std::byte>& out) {
-  for (int c = 0; c < 3; ++c) append_value(out, static_cast<float>(vector[c]));
-}
-
-std::vector<std::byte> write_ply(const Parts& parts) {
-  const bool floats = fit_floats(parts.positions);
-  const bool small = parts.positions.size() <= std::numeric_limits<std::int32_t>::max();
-  std::vector<std::byte> out = bytes_of(ply_header(parts, floats, small));
-  out.reserve(out.size() + parts.positions.size() * 64 + parts.triangles.size() * 13);
-  for (std::size_t v = 0; v < parts.positions.size(); ++v) {
-    if (floats) {
-      append_floats(parts.positions[v], out);
-    } else {
-      for (int c = 0; c < 3; ++c) append_value(out, parts.positions[v][c]);
-    }
-    if (!parts.normals.empty()) append_floats(parts.normals[v], out);
-    for (const VertexAttribute& attribute : parts.attributes) {
-      const auto components = static_cast<std::size_t>(attribute.components);
-      for (std::size_t c = 0; c < components; ++c) {
-        append_value(out, attribute.values[v * components + c]);
-      }
-    }
-    if (parts.colors) append_value(out, parts.colors->values[v]);
-  }
-  for (const Triangle& triangle : parts.triangles) {
-    append_value(out, std::uint8_t{3});
-    append_value(out, triangle);
-  }
-  return out;
-}
-
-void append_obj_line(std::string_view key, const Vec3& vector, bool floats, std::string& out) {
-  out += key;
-  for (int c = 0; c < 3; ++c) {
-    out += ' ';
-    out += floats ? shortest(static_cast<float>(vector[c])) : shortest(vector[c]);
-  }
-  out += '\n';
-}
-
-std::vector<std::byte> write_obj(const Parts& parts) {
-  const bool floats = fit_floats(parts.positions);
-  std::string out = "# fairway\n";
-  for (const Vec3& position : parts.positions) append_obj_line("v", position, floats, out);
-  for (const Vec3& normal : parts.normals) append_obj_line("vn", normal, true, out);
-  for (const auto& [a, b, c] : parts.triangles) {
-    const std::size_t i = std::size_t{a} + 1;
-    const std::size_t j = std::size_t{b} + 1;
-    const std::size_t k = std::size_t{c} + 1;
-    out += parts.normals.empty() ? fmt::format("f {} {} {}\n", i, j, k)
-                                 : fmt::format("f {0}//{0} {1}//{1} {2}//{2}\n", i, j, k);
-  }
-  return bytes_of(out);
-}
-
-Result<std::vector<std::byte>> write_stl(const Parts& parts) {
-  std::array<std::byte, kStlHeaderBytes> header{};
-  const ByteSpan name = as_bytes("fairway");
-  std::copy(name.begin(), name.end(), header.begin());
-  std::vector<std::byte> out(header.begin(), header.end());
-  append_value(out, static_cast<std::uint32_t>(parts.triangles.size()));
-  out.reserve(out.size() + parts.triangles.size() * kStlTriangleBytes);
-  for (const auto& [a, b, c] : parts.triangles) {
-    append_stl_triangle(parts.positions[a], parts.positions[b], parts.positions[c], 0, out);
-  }
-  return out;
-}
-
-Result<Encoded> write_gltf(const Parts& parts, Format format, const Encoding& encoding,
+Result<Encoded> write_gltf(const FreshParts& parts, Format format, const Encoding& encoding,
                            std::string_view name) {
   FreshMesh mesh;
   mesh.triangles = parts.triangles;
@@ -139,10 +31,18 @@ Result<Encoded> write_gltf(const Parts& parts, Format format, const Encoding& en
     mesh.attributes.push_back(
         {attribute.name, pack_floats(attribute.values, attribute.components)});
   }
-  if (parts.colors) {
-    mesh.attributes.push_back({"COLOR_0", pack_linear_colors(parts.colors->values)});
+  const auto& [colors, texture_coordinates] = parts.extras;
+  if (!texture_coordinates.empty()) {
+    mesh.attributes.push_back(
+        {"TEXCOORD_0", pack_texture_coordinates_from_top(texture_coordinates)});
   }
+  if (!colors.empty()) mesh.attributes.push_back({"COLOR_0", pack_linear_colors(colors)});
   return write_fresh_gltf(mesh, format, encoding, name);
+}
+
+/// Not by the document that came, which would keep all it has a place for.
+bool is_written_anew(Format came, Format wanted) {
+  return came != wanted && (is_shape(came) || holds_one_mesh(wanted));
 }
 
 std::string_view upper_name(Format format) {
@@ -152,32 +52,68 @@ std::string_view upper_name(Format format) {
   return "STL";
 }
 
-Result<std::vector<std::byte>> write_shape(const Parts& parts, Format format) {
-  if (format == Format::ply) return write_ply(parts);
-  if (format == Format::obj) return write_obj(parts);
-  return write_stl(parts);
-}
+/// Extras, and what is told of those that could not be read.
+struct CarriedExtras {
+  VertexExtras extras;
+  std::vector<std::string> notes;
+};
 
-}  // namespace
-
-std::vector<std::string> property_names(const VertexAttribute& attribute) {
-  std::string base = attribute.name;
-  if (!base.empty() && base.front() == '_') base.erase(0, 1);
-  for (char& c : base) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (attribute.components == 1) return {base};
-  constexpr std::array<char, 4> kAxes = {'x', 'y', 'z', 'w'};
-  std::vector<std::string> out;
-  for (std::size_t c = 0; c < static_cast<std::size_t>(attribute.components); ++c) {
-    out.push_back(fmt::format("{}_{}", base, kAxes[c]));
+/// What cannot be read is left out: nobody asked for it, and the mesh itself is good.
+CarriedExtras carry_extras(const Document& document, const SurfaceResult& result) {
+  CarriedExtras out;
+  const ExtraKinds& kinds = document.facts().extras;
+  const auto leave = [&](std::string_view what, const Error& why) {
+    out.notes.push_back(fmt::format("{}: the {} of its vertices are left out. {}",
+                                    document.surfaces().front().name, what, why.message));
+  };
+  if (kinds.color_components > 0 && !result.colors_vertices(true)) {
+    auto colors = document.read_colors();
+    if (colors) {
+      out.extras.colors = *std::move(colors);
+    } else {
+      leave("colours", colors.error());
+    }
+  }
+  if (!kinds.texture_coordinates) return out;
+  auto texture_coordinates = document.read_texture_coordinates();
+  if (texture_coordinates) {
+    out.extras.texture_coordinates = *std::move(texture_coordinates);
+  } else {
+    leave("texture coordinates", texture_coordinates.error());
   }
   return out;
 }
 
+/// Extras and normals that the new file has no place for.
+std::vector<std::string> lost_extras(const Document& document,
+                                     std::span<const SurfaceResult> results, Format wanted) {
+  std::vector<std::string> out;
+  const ExtraKinds& extras = document.facts().extras;
+  const std::vector<Surface>& surfaces = document.surfaces();
+  if (wanted == Format::stl) {
+    if (!surfaces.empty() && !surfaces.front().normals.empty()) {
+      out.emplace_back("normals of vertices");
+    }
+    if (extras.color_components > 0) out.emplace_back("colours of vertices");
+    if (extras.texture_coordinates) out.emplace_back("texture coordinates of vertices");
+  }
+  const bool replaced = !results.empty() && results.front().colors_vertices(true);
+  if (wanted == Format::obj && extras.color_components == 4 && !replaced) {
+    out.emplace_back("alpha of vertices");
+  }
+  return out;
+}
+
+}  // namespace
+
 Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& result, Format format,
-                                 const Encoding& encoding) {
-  const Parts parts{result.moved ? result.positions : surface.mesh.positions,
-                    surface.mesh.triangles, result.moved ? result.normals : surface.normals,
-                    result.attributes, result.colors};
+                                 const Encoding& encoding, VertexExtras extras) {
+  if (result.colors_vertices(!extras.colors.empty())) {
+    extras.colors = make_colors(result.colors->values);
+  }
+  const FreshParts parts{result.moved ? result.positions : surface.mesh.positions,
+                         surface.mesh.triangles, result.moved ? result.normals : surface.normals,
+                         result.attributes, extras};
   for (const Vec3& position : parts.positions) {
     if (!position.cast<float>().allFinite()) {
       if (!result.moved) {
@@ -188,11 +124,20 @@ Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& re
                    "A position left the range of single precision; use fewer or smaller steps."};
     }
   }
-  if (format == Format::drc) return write_fresh_draco(surface, result, encoding.draco);
+  if (format == Format::drc) return write_fresh_draco(surface, result, encoding.draco, extras);
   if (!is_shape(format)) return write_gltf(parts, format, encoding, surface.name);
-  auto bytes = write_shape(parts, format);
-  if (!bytes) return bytes.error();
-  return Encoded{ByteChain(*std::move(bytes)), {}};
+  return Encoded{ByteChain(write_fresh_shape(parts, format)), {}};
+}
+
+Result<Encoded> write_anew(const Document& document, const SurfaceResult& result, Format format,
+                           const Encoding& encoding) {
+  const Surface& surface = document.surfaces().front();
+  CarriedExtras carried;
+  if (format != Format::stl) carried = carry_extras(document, result);
+  auto out = write_fresh_mesh(surface, result, format, encoding, std::move(carried.extras));
+  if (!out) return out;
+  out->notes.insert(out->notes.begin(), carried.notes.begin(), carried.notes.end());
+  return out;
 }
 
 Result<Encoded> convert(const Document& document, std::span<const SurfaceResult> results,
@@ -210,7 +155,7 @@ Result<Encoded> convert(const Document& document, std::span<const SurfaceResult>
                              results.size(), upper_name(wanted)),
                  "/meshes"};
   }
-  return write_fresh_mesh(document.surfaces().front(), results.front(), wanted, encoding);
+  return write_anew(document, results.front(), wanted, encoding);
 }
 
 Result<std::vector<std::byte>> convert(const Document& document,
@@ -225,39 +170,42 @@ std::vector<std::string> conversion_notes(const Document& document,
                                           std::span<const SurfaceResult> results, Format came,
                                           Format wanted) {
   std::vector<std::string> out;
-  bool has_attributes = false;
+  // A new OBJ has a place for colours, one that is patched keeps its lines.
+  const bool takes_colors = wanted == Format::obj && came != Format::obj;
+  bool homeless = false;
   for (const SurfaceResult& result : results) {
-    has_attributes |= !result.attributes.empty() || result.colors;
+    homeless |= !result.attributes.empty() || (result.colors && !takes_colors);
   }
-  if (has_attributes && (wanted == Format::obj || wanted == Format::stl)) {
+  if (homeless && (wanted == Format::obj || wanted == Format::stl)) {
     out.push_back(
         fmt::format("{} has no place for attributes of vertices: the curvature is not stored; ask "
                     "for ply or glb to get it",
                     upper_name(wanted)));
   }
-  if (came == wanted || !(is_shape(came) || holds_one_mesh(wanted))) return out;
+  if (!is_written_anew(came, wanted)) return out;
   std::vector<std::string> lost = document.facts().left_behind;
-  const std::vector<Surface>& surfaces = document.surfaces();
-  if (wanted == Format::stl && !surfaces.empty() && !surfaces.front().normals.empty()) {
-    lost.emplace_back("normals of vertices");
-  }
+  const std::vector<std::string> homeless_extras = lost_extras(document, results, wanted);
+  lost.insert(lost.end(), homeless_extras.begin(), homeless_extras.end());
   if (lost.empty()) return out;
   out.push_back(
       fmt::format("written anew as {}, without {}", name_of(wanted), fmt::join(lost, ", ")));
   return out;
 }
 
-std::vector<std::string> kept_color_notes(std::span<const Surface> surfaces,
+std::vector<std::string> kept_color_notes(const Document& document,
                                           std::span<const SurfaceResult> results,
                                           const Conversion& conversion) {
-  const bool scene = !holds_one_mesh(conversion.wanted);
-  const bool carried =
-      conversion.came == conversion.wanted || (scene && (!is_shape(conversion.came)));
+  const auto& [came, wanted, encoding] = conversion;
+  const std::vector<Surface>& surfaces = document.surfaces();
+  // In a new file colours stand at all vertices or at none.
+  const bool anew = is_written_anew(came, wanted);
+  const bool all = document.facts().extras.color_components > 0 && wanted != Format::stl;
   std::size_t kept = 0;
   std::string first;
-  for (std::size_t i = 0; carried && i < surfaces.size(); ++i) {
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
     for (const PrimitiveVertices& primitive : surfaces[i].primitives) {
-      if (!results[i].colors || results[i].colors_vertices(primitive.has_colors)) continue;
+      const bool has_colors = anew ? all : primitive.has_colors;
+      if (!results[i].colors || results[i].colors_vertices(has_colors)) continue;
       if (kept++ == 0) first = surfaces[i].name;
     }
   }

@@ -8,17 +8,18 @@
 
 namespace fairway {
 
-/// The names of an attribute's components as properties of a PLY vertex: lower case without the
-/// leading underscore ("_CURVATURE_K1": curvature_k1, "_FEATURE": feature), with _x, _y, _z behind
-/// where there are three ("_CURVATURE_DIR1": curvature_dir1_x …).
-std::vector<std::string> property_names(const VertexAttribute& attribute);
-
 /// A new file around one surface: positions, triangles, normals if it has some, and where the
-/// format has a place for them (glb, gltf, drc, ply) attributes. PLY is binary little-endian and
-/// STL binary. Errors: for a position that no float holds diverged if it moved, else invalid_mesh,
-/// unsupported_feature (values that Draco cannot store), too_large.
+/// format has a place for them attributes (glb, gltf, drc, ply) and extras (these and obj). The
+/// colours of `result` stand instead of those of `extras` where they shall replace them. PLY is
+/// binary little-endian and STL binary. Errors: for a position that no float holds diverged if it
+/// moved, else invalid_mesh, unsupported_feature (values that Draco cannot store), too_large.
 Result<Encoded> write_fresh_mesh(const Surface& surface, const SurfaceResult& result, Format format,
-                                 const Encoding& encoding);
+                                 const Encoding& encoding, VertexExtras extras = {});
+
+/// The only surface of `document` as a fresh mesh, with the extras that its file has. A note says
+/// which of them cannot be read. Errors: those of write_fresh_mesh().
+Result<Encoded> write_anew(const Document& document, const SurfaceResult& result, Format format,
+                           const Encoding& encoding);
 
 /// What a file came as and what it is written as.
 struct Conversion {
@@ -27,8 +28,8 @@ struct Conversion {
   Encoding encoding = {};
 };
 
-/// `document` written as it is wanted: by itself where it can, else as a fresh mesh. Errors: those
-/// of Document::write() and write_fresh_mesh(); unsupported_feature where several meshes would have
+/// `document` written as it is wanted: by itself where it can, else anew. Errors: those of
+/// Document::write() and write_fresh_mesh(); unsupported_feature where several meshes would have
 /// to become one.
 Result<Encoded> convert(const Document& document, std::span<const SurfaceResult> results,
                         const Conversion& conversion);
@@ -45,7 +46,7 @@ std::vector<std::string> conversion_notes(const Document& document,
                                           Format wanted);
 
 /// Sentences about primitives that keep the colours they have although new ones were asked for.
-std::vector<std::string> kept_color_notes(std::span<const Surface> surfaces,
+std::vector<std::string> kept_color_notes(const Document& document,
                                           std::span<const SurfaceResult> results,
                                           const Conversion& conversion);
 

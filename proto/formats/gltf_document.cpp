@@ -4,6 +4,7 @@
 
 #include "proto/formats/glb.h"
 #include "proto/formats/gltf_extensions.h"
+#include "proto/formats/gltf_extras.h"
 #include "proto/formats/gltf_facts.h"
 #include "proto/formats/gltf_nodes.h"
 #include "proto/formats/gltf_patch.h"
@@ -23,7 +24,16 @@ class GltfDocument final : public Document {
     scene_ = outline_scene(JsonPlace(json_, ""));
     surfaces_ = std::move(surfaces.surfaces);
     notes_ = std::move(surfaces.notes);
-    facts_ = gltf_facts(json_);
+    facts_ =
+        gltf_facts(json_, surfaces_.size() == 1 ? gltf_extra_kinds(tables_, layout_.plans.front())
+                                                : ExtraKinds{});
+  }
+
+  Result<ColorValues> read_colors() const override {
+    return read_gltf_colors(tables_, layout_, layout_.plans.front());
+  }
+  Result<std::vector<float>> read_texture_coordinates() const override {
+    return read_gltf_texture_coordinates(tables_, layout_, layout_.plans.front());
   }
 
   Result<Encoded> write(std::span<const SurfaceResult> results, Format format,

@@ -14,8 +14,6 @@
 namespace fairway {
 namespace {
 
-using Test = bool (*)(const Json&);
-
 const Json& list_at(const Json& object, const char* key) {
   static const Json none = Json::array();
   if (!object.is_object()) return none;
@@ -23,6 +21,7 @@ const Json& list_at(const Json& object, const char* key) {
   return it != object.end() && it->is_array() ? *it : none;
 }
 
+template <class Test>
 std::size_t count_if(const Json& list, Test test) {
   return static_cast<std::size_t>(std::count_if(list.begin(), list.end(), test));
 }
@@ -43,11 +42,14 @@ bool is_drawn(const Json& node) {
 }
 
 /// Attributes that a new file does not carry.
-bool has_other_attributes(const Json& primitive) {
+bool has_other_attributes(const Json& primitive, const ExtraKinds& extras) {
   const auto attributes = primitive.find("attributes");
   if (attributes == primitive.end() || !attributes->is_object()) return false;
   for (const auto& [name, accessor] : attributes->items()) {
-    if (name != "POSITION" && name != "NORMAL") return true;
+    const bool carried = name == "POSITION" || name == "NORMAL" ||
+                         (name == "COLOR_0" && extras.color_components > 0) ||
+                         (name == "TEXCOORD_0" && extras.texture_coordinates);
+    if (!carried) return true;
   }
   return false;
 }
@@ -58,6 +60,7 @@ bool has_lines_or_points(const Json& primitive) {
 }
 
 /// Primitives of all meshes that a test holds for.
+template <class Test>
 std::size_t count_primitives(const Json& root, Test test) {
   std::size_t count = 0;
   for (const Json& mesh : list_at(root, "meshes")) {
@@ -66,7 +69,7 @@ std::size_t count_primitives(const Json& root, Test test) {
   return count;
 }
 
-std::vector<std::string> left_behind(const Json& root) {
+std::vector<std::string> left_behind(const Json& root, const ExtraKinds& extras) {
   std::vector<std::string> out;
   const auto add = [&out](std::size_t count, std::string_view name) {
     if (count > 0) out.push_back(counted(count, name));
@@ -75,7 +78,8 @@ std::vector<std::string> left_behind(const Json& root) {
   add(list_at(root, "textures").size(), "texture");
   add(list_at(root, "skins").size(), "skin");
   add(list_at(root, "animations").size(), "animation");
-  if (count_primitives(root, has_other_attributes) > 0) out.emplace_back("other attributes");
+  const auto has_others = [&](const Json& p) { return has_other_attributes(p, extras); };
+  if (count_primitives(root, has_others) > 0) out.emplace_back("other attributes");
   if (count_primitives(root, [](const Json& p) { return p.contains("targets"); }) > 0) {
     out.emplace_back("morph targets");
   }
@@ -114,9 +118,14 @@ std::vector<std::string> untouched(const Json& root) {
 
 }  // namespace
 
-FileFacts gltf_facts(const Json& root) {
-  return {list_at(root, "meshes").size(), count_primitives(root, [](const Json&) { return true; }),
-          left_behind(root), untouched(root)};
+FileFacts gltf_facts(const Json& root, const ExtraKinds& extras) {
+  FileFacts out;
+  out.meshes = list_at(root, "meshes").size();
+  out.primitives = count_primitives(root, [](const Json&) { return true; });
+  out.left_behind = left_behind(root, extras);
+  out.extras = extras;
+  out.untouched = untouched(root);
+  return out;
 }
 
 }  // namespace fairway

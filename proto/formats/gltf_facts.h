@@ -5,7 +5,8 @@
 
 namespace fairway {
 
-/// The facts of a glTF document that has been read without an error.
-FileFacts gltf_facts(const Json& root);
+/// The facts of a glTF document that has been read without an error. `extras` are those of its only
+/// surface.
+FileFacts gltf_facts(const Json& root, const ExtraKinds& extras);
 
 }  // namespace fairway

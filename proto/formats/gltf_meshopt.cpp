@@ -123,16 +123,6 @@ Result<void> decode_view(std::size_t index, GltfTables& tables) {
   return {};
 }
 
-Result<void> decode_views_of(std::size_t accessor, GltfTables& tables) {
-  const GltfAccessor& from = tables.accessors[accessor];
-  if (from.view) {
-    if (auto done = decode_view(*from.view, tables); !done) return done;
-  }
-  if (!from.sparse) return {};
-  if (auto done = decode_view(from.sparse->indices_view, tables); !done) return done;
-  return decode_view(from.sparse->values_view, tables);
-}
-
 }  // namespace
 
 bool is_fallback_buffer(const JsonPlace& buffer) {
@@ -152,6 +142,16 @@ Result<std::optional<GltfCompression>> read_compression(const JsonPlace& place,
   if (!out) return out.error();
   if (const auto done = read_layout(**extension, view, *out); !done) return done.error();
   return std::optional(*out);
+}
+
+Result<void> decode_views_of(std::size_t accessor, GltfTables& tables) {
+  const GltfAccessor& from = tables.accessors[accessor];
+  if (from.view) {
+    if (auto done = decode_view(*from.view, tables); !done) return done;
+  }
+  if (!from.sparse) return {};
+  if (auto done = decode_view(from.sparse->indices_view, tables); !done) return done;
+  return decode_view(from.sparse->values_view, tables);
 }
 
 Result<void> decode_views(const TriangleSource& source, GltfTables& tables) {

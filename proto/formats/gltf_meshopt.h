@@ -19,4 +19,7 @@ Result<std::optional<GltfCompression>> read_compression(const JsonPlace& place,
 /// Errors: invalid_mesh, unsupported_feature, too_large (all views together).
 Result<void> decode_views(const TriangleSource& source, GltfTables& tables);
 
+/// The same of the views that one accessor stands in.
+Result<void> decode_views_of(std::size_t accessor, GltfTables& tables);
+
 }  // namespace fairway

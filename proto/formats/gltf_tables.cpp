@@ -215,6 +215,11 @@ Result<GltfTables> read_tables(const JsonPlace& root, std::optional<ByteSpan> bi
   return tables;
 }
 
+GltfTables without_owned(const GltfTables& tables) {
+  return {tables.buffers,       tables.views,        tables.accessors, {},
+          tables.element_limit, tables.decoded_bytes};
+}
+
 Result<ByteSpan> view_bytes(const GltfTables& tables, std::size_t view) {
   const GltfView& from = tables.views[view];
   if (from.decoded) return *from.decoded;

@@ -83,6 +83,9 @@ struct GltfTables {
 Result<GltfTables> read_tables(const JsonPlace& root, std::optional<ByteSpan> bin,
                                std::uint64_t input_size, SideReader& side_files);
 
+/// The same tables over the same bytes, which `tables` must keep: to decode more views for a while.
+GltfTables without_owned(const GltfTables& tables);
+
 /// The bytes of a view. Error: unsupported_feature where its buffer has none.
 Result<ByteSpan> view_bytes(const GltfTables& tables, std::size_t view);
 

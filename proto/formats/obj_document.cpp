@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "proto/formats/obj_extras.h"
 #include "proto/formats/obj_surface.h"
 #include "proto/formats/polygons.h"
 #include "proto/formats/shape_document.h"
@@ -17,7 +18,14 @@ class ObjDocument final : public ShapeDocument {
     surfaces_.push_back(std::move(obj.surface));
     obj.surface = {};
     obj_ = std::move(obj);
+    const bool colored = obj_.colors == surfaces_.front().mesh.positions.size();
+    facts_.extras = {colored ? 3 : 0, !obj_.texture_of_vertex.empty()};
     facts_.left_behind = left_behind();
+  }
+
+  Result<ColorValues> read_colors() const override;
+  Result<std::vector<float>> read_texture_coordinates() const override {
+    return read_obj_texture_coordinates(as_text(source()), obj_.texture_of_vertex);
   }
 
  private:
@@ -35,11 +43,22 @@ std::vector<std::string> ObjDocument::left_behind() const {
     if (count > 0) out.push_back(counted(count, name));
   };
   add(obj_.normals.size(), "normal");
-  add(obj_.texture_coordinates, "texture coordinate");
+  if (!facts_.extras.texture_coordinates) add(obj_.texture_coordinates, "texture coordinate");
+  if (facts_.extras.color_components == 0) add(obj_.colors, "colour of a vertex");
   add(obj_.materials, "choice of a material");
   add(obj_.groups, "group");
   add(obj_.polygons, "polygon of more than three corners");
   return out;
+}
+
+Result<ColorValues> ObjDocument::read_colors() const {
+  if (facts_.extras.color_components == 0) return ColorValues{};
+  std::vector<std::string_view> last_words;
+  last_words.reserve(obj_.position_words.size() / 3);
+  for (std::size_t i = 2; i < obj_.position_words.size(); i += 3) {
+    last_words.push_back(obj_.position_words[i]);
+  }
+  return read_obj_colors(as_text(source()), last_words);
 }
 
 /// For each line vn, the normals of the triangles whose corners name it, weighted by area.

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "proto/formats/obj_extras.h"
 #include "proto/formats/polygons.h"
 #include "proto/formats/text_lines.h"
 
@@ -39,12 +40,13 @@ class SurfaceReader {
   ObjSurface out_;
   std::array<std::uint64_t, 3> count_ = {};    ///< of v, vt, vn so far
   std::array<std::uint64_t, 3> highest_ = {};  ///< that faces name, from 1
-  std::vector<Index> polygon_;                 ///< corners of a face, in corner_list_
+  TextureOfVertex texture_of_vertex_;
+  std::vector<Index> polygon_;  ///< corners of a face, in corner_list_
   std::vector<ObjCorner> corner_list_;
 };
 
-/// Three numbers and their words.
-std::optional<Vec3> take_numbers(std::string_view rest, std::vector<std::string_view>& words) {
+/// Three numbers and their words, from the front of `rest`.
+std::optional<Vec3> take_numbers(std::string_view& rest, std::vector<std::string_view>& words) {
   Vec3 out = Vec3::Zero();
   bool good = true;
   for (int c = 0; c < 3; ++c) {
@@ -57,6 +59,15 @@ std::optional<Vec3> take_numbers(std::string_view rest, std::vector<std::string_
   return out;
 }
 
+/// Just so many words, up to a comment.
+bool has_words(std::string_view rest, int count) {
+  int words = 0;
+  for (auto word = next_word(rest); !word.empty() && word[0] != '#'; word = next_word(rest)) {
+    if (++words > count) return false;
+  }
+  return words == count;
+}
+
 Result<void> SurfaceReader::take_vertex(std::string_view rest) {
   const auto position = take_numbers(rest, out_.position_words);
   if (!position) return error("a vertex is not three finite numbers; repair the file.");
@@ -64,6 +75,7 @@ Result<void> SurfaceReader::take_vertex(std::string_view rest) {
     return error("there are too many vertices; split the mesh.", ErrorCode::too_large);
   }
   out_.surface.mesh.positions.push_back(*position);
+  if (!rest.empty() && has_words(rest, 3)) ++out_.colors;
   return {};
 }
 
@@ -117,6 +129,8 @@ Result<void> SurfaceReader::take_face(std::string_view rest) {
     if (!corner) return corner.error();
     polygon_.push_back(static_cast<Index>(corner_list_.size()));
     corner_list_.push_back({(*corner)[kVertex], (*corner)[kNormal]});
+    texture_of_vertex_.add((*corner)[kVertex], out_.surface.mesh.positions.size(),
+                           (*corner)[kTexture]);
   }
   if (polygon_.size() < 3) {
     return error("a face has fewer than three corners; remove such faces.");
@@ -177,6 +191,7 @@ Result<ObjSurface> SurfaceReader::read() {
   surface.primitives.push_back({.count = static_cast<Index>(surface.mesh.positions.size())});
   surface.single_precision = false;
   out_.texture_coordinates = count_[kTexture];
+  out_.texture_of_vertex = texture_of_vertex_.take(surface.mesh.positions.size());
   return std::move(out_);
 }
 

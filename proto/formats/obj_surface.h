@@ -21,6 +21,8 @@ struct ObjSurface {
   std::vector<Vec3> normals;                     ///< as they are; zero where they are no numbers
   std::vector<ObjCorner> corners;                ///< three per triangle
   std::size_t texture_coordinates = 0;           ///< lines "vt"
+  std::vector<Index> texture_of_vertex;          ///< see TextureOfVertex
+  std::size_t colors = 0;                        ///< lines "v" with three more numbers
   std::size_t materials = 0;                     ///< lines "usemtl"
   std::size_t groups = 0;                        ///< lines "g" and "o"
   std::size_t polygons = 0;                      ///< of more than three corners

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "proto/formats/fresh_mesh.h"
+#include "proto/formats/fresh_shape.h"
+#include "proto/formats/ply_extras.h"
 #include "proto/formats/ply_surface.h"
 #include "proto/formats/ply_values.h"
 #include "proto/formats/polygons.h"
@@ -40,7 +41,16 @@ class PlyDocument final : public ShapeDocument {
     surfaces_.push_back(std::move(ply.surface));
     ply.surface = {};
     ply_ = std::move(ply);
+    extras_ = find_ply_extras(vertex());
+    facts_.extras = extras_.kinds();
     facts_.left_behind = left_behind();
+  }
+
+  Result<ColorValues> read_colors() const override {
+    return read_ply_colors({vertex(), vertices(), ply_.header.encoding}, extras_);
+  }
+  Result<std::vector<float>> read_texture_coordinates() const override {
+    return read_ply_texture_coordinates({vertex(), vertices(), ply_.header.encoding}, extras_);
   }
 
  private:
@@ -60,6 +70,7 @@ class PlyDocument final : public ShapeDocument {
   const PlyElement& vertex() const { return *ply_.header.find("vertex"); }
 
   PlySurface ply_;  ///< without the surface
+  PlyExtras extras_;
 };
 
 std::vector<std::string> PlyDocument::left_behind() const {
@@ -71,7 +82,7 @@ std::vector<std::string> PlyDocument::left_behind() const {
     if (faces && element.properties.size() > 1) of_faces += element.properties.size() - 1;
     if (!faces && element.name != "vertex") ++elements;
   }
-  const std::size_t used = ply_.normal ? 6 : 3;
+  const std::size_t used = (ply_.normal ? 6 : 3) + extras_.properties();
   const std::size_t of_vertices = vertex().properties.size() - used;
   if (of_vertices > 0) out.push_back(counted(of_vertices, "other property") + " of vertices");
   if (of_faces > 0) out.push_back(counted(of_faces, "other property") + " of faces");
@@ -112,7 +123,7 @@ Result<VertexPlan> PlyDocument::plan(const SurfaceResult& result) const {
 }
 
 Result<void> PlyDocument::plan_colors(const VertexColors& colors, VertexPlan& plan) const {
-  for (std::size_t c = 0; c < kPlyColors.size(); ++c) {
+  for (std::size_t c = 0; c < 3; ++c) {
     const Column column{std::string(kPlyColors[c]), nullptr, nullptr, 3, c, &colors.values};
     const auto there = vertex().find(column.name);
     if (!there) {

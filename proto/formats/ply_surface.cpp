@@ -208,9 +208,9 @@ Result<PlySurface> SurfaceReader::read() {
   }
   out_.surface.name = "mesh";
   const PlyElement& vertex = *out_.header.find("vertex");
-  const bool colored = std::any_of(kPlyColors.begin(), kPlyColors.end(), [&](std::string_view key) {
-    return vertex.find(key).has_value();
-  });
+  const bool colored =
+      std::any_of(kPlyColors.begin(), kPlyColors.end() - 1,
+                  [&](std::string_view key) { return vertex.find(key).has_value(); });
   out_.surface.primitives.push_back(
       {.count = static_cast<Index>(vertices_), .has_colors = colored});
   return std::move(out_);

@@ -9,8 +9,8 @@
 
 namespace fairway {
 
-/// The properties that are a vertex's colour.
-inline constexpr std::array<std::string_view, 3> kPlyColors = {"red", "green", "blue"};
+/// The properties that are a vertex's colour; the last one is not in every file.
+inline constexpr std::array<std::string_view, 4> kPlyColors = {"red", "green", "blue", "alpha"};
 
 /// What a PLY holds of a mesh, and where.
 struct PlySurface {

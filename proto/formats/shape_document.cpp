@@ -11,7 +11,7 @@ Result<Encoded> ShapeDocument::write(std::span<const SurfaceResult> results, For
                                      const Encoding& encoding) const {
   if (const auto done = check_results(surfaces_, results); !done) return done.error();
   const SurfaceResult& result = results.front();
-  if (format != format_) return write_fresh_mesh(surfaces_.front(), result, format, encoding);
+  if (format != format_) return write_anew(*this, result, format, encoding);
   const bool adds = holds_attributes() && (!result.attributes.empty() || result.colors);
   if (result.untouched || (!result.moved && !adds)) return unchanged(source_);
   auto bytes = patch(result);

@@ -18,14 +18,6 @@ constexpr Lab kHigh = {34.0, 50.0, 32.0};
 
 constexpr double kLimitShare = 0.95;
 
-double encoded(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
-
-double decoded(double srgb) {
-  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-}
-
 Srgb to_srgb(const Lab& lab) {
   const auto inverse = [](double t) {
     return t > 6.0 / 29.0 ? t * t * t : 3.0 * (6.0 / 29.0) * (6.0 / 29.0) * (t - 4.0 / 29.0);
@@ -39,8 +31,8 @@ Srgb to_srgb(const Lab& lab) {
                                         0.0556434 * x - 0.2040259 * y + 1.0572252 * z};
   Srgb out{};
   for (std::size_t c = 0; c < 3; ++c) {
-    out[c] =
-        static_cast<std::uint8_t>(std::lround(255.0 * encoded(std::clamp(linear[c], 0.0, 1.0))));
+    out[c] = static_cast<std::uint8_t>(
+        std::lround(255.0 * srgb_of_linear(std::clamp(linear[c], 0.0, 1.0))));
   }
   return out;
 }
@@ -57,6 +49,14 @@ PackedValues pack(std::span<const Srgb> colors, ComponentType type,
 }
 
 }  // namespace
+
+double srgb_of_linear(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+}
+
+double linear_of_srgb(double srgb) {
+  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+}
 
 Srgb diverging_colour(double value) {
   const double t = std::min(std::abs(value), 1.0);
@@ -98,7 +98,7 @@ PackedValues pack_linear_colors(std::span<const Srgb> colors) {
   constexpr double kOne = 65535.0;
   std::array<double, 256> stored{};
   for (std::size_t i = 0; i < stored.size(); ++i) {
-    stored[i] = std::round(kOne * decoded(static_cast<double>(i) / 255.0));
+    stored[i] = std::round(kOne * linear_of_srgb(static_cast<double>(i) / 255.0));
   }
   return pack(colors, ComponentType::u16, stored, kOne);
 }

@@ -13,6 +13,10 @@ namespace fairway {
 /// A colour in sRGB.
 using Srgb = std::array<std::uint8_t, 3>;
 
+/// The transfer function of sRGB and its inverse (IEC 61966-2-1); 0 … 1 on both sides.
+double srgb_of_linear(double linear);
+double linear_of_srgb(double srgb);
+
 /// Colours to write to a surface: COLOR_0 of a glTF, red, green and blue of a PLY, COLOR of Draco.
 struct VertexColors {
   std::vector<Srgb> values;  ///< one per vertex

@@ -171,7 +171,7 @@ void add_notes(const Document& document, std::span<const SurfaceResult> results,
   if (parameters.welding == Welding::none && conversion.came == Format::stl) {
     report.notes.emplace_back("STL has no indices: equal corners are one vertex all the same");
   }
-  add(kept_color_notes(document.surfaces(), results, conversion));
+  add(kept_color_notes(document, results, conversion));
   add(conversion_notes(document, results, conversion.came, conversion.wanted));
 }
 

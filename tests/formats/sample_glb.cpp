@@ -222,7 +222,8 @@ std::vector<float> floats_of(const SampleGlb& sample, std::size_t accessor) {
   const Json& view = sample.json["bufferViews"][def["bufferView"].get<std::size_t>()];
   REQUIRE(!view.contains("byteStride"));
   REQUIRE(view["buffer"] == 0);
-  const std::size_t components = def["type"] == "SCALAR" ? 1 : def["type"] == "VEC3" ? 3 : 4;
+  const std::string type = def["type"];
+  const std::size_t components = type == "SCALAR" ? 1 : static_cast<std::size_t>(type.back() - '0');
   std::vector<float> out(def["count"].get<std::size_t>() * components);
   const std::size_t offset = view["byteOffset"].get<std::size_t>() + def.value("byteOffset", 0U);
   REQUIRE(offset + out.size() * 4 <= sample.bin.size());

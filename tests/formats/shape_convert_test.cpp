@@ -109,11 +109,12 @@ TEST_CASE("the note of a conversion lists what this file loses, and only that") 
   CHECK(note(decoded(text_bytes(corners + "f 1 2 3\nf 1 3 4\n"), Format::obj), Format::obj,
              Format::glb)
             .empty());
-  CHECK(
-      note(decoded(text_bytes(corners + "vt 0 0\ng a\nusemtl b\nf 1/1 2/1 3/1 4/1\n"), Format::obj),
-           Format::obj, Format::glb) ==
-      "written anew as glb, without 1 texture coordinate, 1 choice of a material, 1 group, 1 "
-      "polygon of more than three corners");
+  CHECK(note(decoded(text_bytes(corners + "vt 0 0\nvt 1 0\ng a\nusemtl b\nf 1/1 2/1 3/1 4/1\n"
+                                          "f 1/2 2/1 3/1\n"),
+                     Format::obj),
+             Format::obj, Format::glb) ==
+        "written anew as glb, without 2 texture coordinates, 1 choice of a material, 1 group, 1 "
+        "polygon of more than three corners");
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
       "property float z\nproperty uchar red\nproperty uchar blue\nelement face 1\n"

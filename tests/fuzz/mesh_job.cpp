@@ -187,6 +187,10 @@ std::string moved_defect(const Document& document, std::span<const SurfaceResult
     return fmt::format("what was written as {} does not read: {} {}", name_of(wanted),
                        again.error().pointer, again.error().message);
   }
+  for (const std::string& defect :
+       {extras_defect(**again), lost_extras_defect(document, **again, conversion)}) {
+    if (!defect.empty()) return fmt::format("as {}: {}", name_of(wanted), defect);
+  }
   // Where the order is free Draco leaves out what no triangle needs.
   if (reordered) return {};
   const std::string defect = same_surfaces_defect(with_results(document.surfaces(), results),
@@ -222,6 +226,7 @@ std::string mesh_job_defect(ByteSpan bytes, Format format, const SideFiles& side
   }
   if ((*document)->surfaces().empty()) return "accepted without a surface";
   if (!is_small(**document)) return {};
+  if (auto defect = extras_defect(**document); !defect.empty()) return defect;
   if (auto defect = unmoved_defect(**document, bytes, format); !defect.empty()) return defect;
   std::vector<SurfaceResult> results;
   for (const Surface& surface : (*document)->surfaces()) results.push_back(compute(surface));

@@ -13,7 +13,8 @@ namespace fairway::test {
 /// - an accepted mesh has indices, positions, normals and primitives that fit each other;
 /// - written back unmoved, positions and triangles are the same bit for bit;
 /// - written back moved, in its own and another format, it reads again with the same counts, and
-///   positions as near as the format can hold them.
+///   positions as near as the format can hold them, and has colours and texture coordinates where
+///   the file had them and the format has a place.
 std::string mesh_job_defect(std::span<const std::byte> bytes, Format format,
                             const SideFiles& side_files = {});
 

@@ -56,6 +56,22 @@ SampleGlb quantized() {
   return sample;
 }
 
+/// Colours as normalized bytes, texture coordinates as normalized shorts.
+SampleGlb with_extras() {
+  SampleGlb sample = cube_sample();
+  const auto add = [&](const char* name, std::size_t view, unsigned type, const char* shape) {
+    const std::size_t accessor = sample.add_accessor(view, type, shape, 8);
+    sample.json["accessors"][accessor]["normalized"] = true;
+    primitive_of(sample)["attributes"][name] = accessor;
+  };
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(32);
+  for (int i = 0; i < 32; ++i) bytes.push_back(static_cast<std::uint8_t>(8 * i));
+  add("COLOR_0", sample.add_view(bytes_of(bytes)), 5121, "VEC4");
+  add("TEXCOORD_0", sample.add_view(bytes_of(std::vector<std::uint16_t>(16, 4000))), 5123, "VEC2");
+  return sample;
+}
+
 SampleGlb sparse() {
   SampleGlb sample = cube_sample();
   const std::size_t indices = sample.add_view(bytes_of(std::vector<std::uint16_t>{1, 6}));
@@ -128,10 +144,15 @@ SampleGlb without_any_view() {
 }
 
 std::vector<std::pair<std::string, SampleGlb>> scenes() {
-  return {{"cube", cube_sample()},     {"normals", with_normals()},
-          {"quantized", quantized()},  {"sparse", sparse()},
-          {"many", many_primitives()}, {"furnished", furnished()},
-          {"no_view", without_view()}, {"no_view_at_all", without_any_view()}};
+  return {{"cube", cube_sample()},
+          {"normals", with_normals()},
+          {"quantized", quantized()},
+          {"sparse", sparse()},
+          {"extras", with_extras()},
+          {"many", many_primitives()},
+          {"furnished", furnished()},
+          {"no_view", without_view()},
+          {"no_view_at_all", without_any_view()}};
 }
 
 /// What our own writer makes of a sample: positions moved, attributes added.

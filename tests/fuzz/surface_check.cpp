@@ -117,6 +117,47 @@ std::string surface_defect(const Surface& surface) {
   return {};
 }
 
+std::string extras_defect(const Document& document) {
+  const ExtraKinds& kinds = document.facts().extras;
+  if (document.surfaces().size() != 1) {
+    const bool none = kinds.color_components == 0 && !kinds.texture_coordinates;
+    return none ? "" : "extras of several surfaces";
+  }
+  const std::size_t vertices = document.surfaces().front().mesh.positions.size();
+  if (kinds.color_components > 0) {
+    const auto colors = document.read_colors();
+    if (colors &&
+        (colors->components != kinds.color_components ||
+         colors->values.size() != vertices * static_cast<std::size_t>(colors->components))) {
+      return "colours do not fit the vertices";
+    }
+    const auto beyond = [](float value) { return !(value >= 0.0F && value <= 1.0F); };
+    if (colors && std::any_of(colors->values.begin(), colors->values.end(), beyond)) {
+      return "a colour is beyond 0 … 1";
+    }
+  }
+  if (!kinds.texture_coordinates) return {};
+  const auto values = document.read_texture_coordinates();
+  if (!values) return {};
+  if (values->size() != 2 * vertices) return "texture coordinates do not fit the vertices";
+  const bool finite =
+      std::all_of(values->begin(), values->end(), [](float value) { return std::isfinite(value); });
+  return finite ? "" : "a texture coordinate is not finite";
+}
+
+std::string lost_extras_defect(const Document& source, const Document& written,
+                               const Conversion& conversion) {
+  if (conversion.wanted == Format::stl) return {};
+  const ExtraKinds& had = source.facts().extras;
+  const ExtraKinds& has = written.facts().extras;
+  if (had.color_components > 0 && source.read_colors()) {
+    const int most = conversion.wanted == Format::obj ? 3 : 4;
+    if (has.color_components != std::min(had.color_components, most)) return "colours are lost";
+  }
+  if (!had.texture_coordinates || !source.read_texture_coordinates()) return {};
+  return has.texture_coordinates ? "" : "texture coordinates are lost";
+}
+
 std::vector<Surface> with_results(std::span<const Surface> surfaces,
                                   std::span<const SurfaceResult> results) {
   std::vector<Surface> out(surfaces.begin(), surfaces.end());

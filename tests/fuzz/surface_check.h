@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "proto/formats/document.h"
+#include "proto/formats/fresh_mesh.h"
 
 namespace fairway::test {
 
@@ -17,6 +18,14 @@ bool nearly_collapses(std::span<const Vec3> positions);
 
 /// What of a surface contradicts itself; "" for what a reader may hand on.
 std::string surface_defect(const Surface& surface);
+
+/// What of a document's extras contradicts its facts; "" also where they cannot be read.
+std::string extras_defect(const Document& document);
+
+/// Whether extras that can be read of `source` are there in `written`, made from it by
+/// `conversion`.
+std::string lost_extras_defect(const Document& source, const Document& written,
+                               const Conversion& conversion);
 
 /// The surfaces as they should read after writing: positions and normals of the results.
 std::vector<Surface> with_results(std::span<const Surface> surfaces,
