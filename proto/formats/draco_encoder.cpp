@@ -238,13 +238,19 @@ bool has_bytes_for_faces(const DracoStream& stream, const draco::Mesh& mesh) {
   return stream.bytes.size() >= before + 3 * stream.triangles;
 }
 
+/// Edgebreaker takes all positions but the first for attributes with seams of their own, prepares
+/// none for them, and reads it: libdraco 1.5.5 crashes.
+bool has_more_positions(const draco::Mesh& mesh) {
+  return mesh.NumNamedAttributes(draco::GeometryAttribute::POSITION) > 1;
+}
+
 /// The first attempt whose result readers take: Edgebreaker refuses some meshes, and compressed
 /// faces may be so few bytes that they look like a bomb.
 std::optional<DracoStream> encode_somehow(const draco::Mesh& mesh, const DracoSource& source,
                                           int level, DracoOrder order) {
   for (const Attempt& attempt :
        {Attempt{level, true, true}, Attempt{level, false, true}, Attempt{level, false, false}}) {
-    if (attempt.edgebreaker && order == DracoOrder::kept) continue;
+    if (attempt.edgebreaker && (order == DracoOrder::kept || has_more_positions(mesh))) continue;
     if (!attempt.edgebreaker && !draco_keeps_points(source.points, source.triangles.size())) {
       continue;
     }

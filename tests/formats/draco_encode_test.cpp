@@ -89,6 +89,23 @@ Encoded encoded(const Sheet& sheet, const DracoOptions& options) {
 
 }  // namespace
 
+TEST_CASE("a Draco mesh with several positions is written in whichever order, all of them kept") {
+  const Sheet sheet = make_sheet();
+  DracoSource source;
+  source.triangles = sheet.surface.mesh.triangles;
+  source.points = static_cast<Index>(sheet.surface.mesh.positions.size());
+  for (int i = 0; i < 3; ++i)
+    source.parts.push_back(position_part(sheet.surface.mesh.positions, {}));
+  for (const DracoOrder order : {DracoOrder::kept, DracoOrder::free}) {
+    const auto stream = encode_draco(source, 7, order);
+    REQUIRE(stream);
+    const auto mesh = DracoMesh::decode(stream->bytes);
+    REQUIRE(mesh);
+    CHECK(mesh->attributes().size() == 3);
+    CHECK(mesh->triangles().size() == source.triangles.size());
+  }
+}
+
 TEST_CASE("Draco keeps order, and no value is off by more than is stated") {
   const Sheet sheet = make_sheet();
   const SurfaceResult& result = sheet.results.front();
