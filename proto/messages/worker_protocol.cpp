@@ -42,6 +42,7 @@ std::string format_line(const WorkerOrder& order) {
                {"parameters", parameters_document(order.parameters)}};
   if (order.files > 1) json["files"] = order.files;
   if (order.work == Work::inspect) json["work"] = "inspect";
+  if (!order.trace.empty()) json["trace"] = order.trace;
   return dump_json(json) + "\n";
 }
 
@@ -62,7 +63,7 @@ Result<WorkerOrder> parse_worker_order(std::string_view line) {
   const Json work = json->value("work", Json("denoise"));
   if (work != "denoise" && work != "inspect") return not_an_event("The order names no work.");
   return WorkerOrder{*input, *std::move(parameters), files.get<std::size_t>(),
-                     work == "inspect" ? Work::inspect : Work::denoise};
+                     work == "inspect" ? Work::inspect : Work::denoise, text_of(*json, "trace")};
 }
 
 std::string format_line(const WorkerEvent& event) {

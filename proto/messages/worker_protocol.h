@@ -32,6 +32,7 @@ struct WorkerOrder {
   Parameters parameters;
   std::size_t files = 1;  ///< more than one: the input is a Bundle of so many files
   Work work = Work::denoise;
+  std::string trace = {};  ///< 32 hexadecimal digits, for what the worker says; may be empty
 };
 
 std::string format_line(const WorkerOrder& order);

@@ -1,6 +1,7 @@
 // `fairway worker`: one job of fairwayd. Untrusted bytes are parsed in this process only, under the
 // limits it sets for itself before it looks at the first of them.
 
+#include <algorithm>
 #include <functional>
 #include <new>
 #include <span>
@@ -32,20 +33,24 @@ namespace {
 constexpr int kInput = 0;
 constexpr int kOutput = 1;
 constexpr int kEvents = 2;
+constexpr std::size_t kMaxLogLine = 400;
 
 /// The server is gone: nobody wants the result any more.
 [[noreturn]] void leave() {
   _exit(problem_kind(ErrorCode::canceled).exit_code);
 }
 
-void send(const WorkerEvent& event) {
-  const std::string line = format_line(event);
+void send(const std::string& line) {
   for (std::span<const char> rest = line; !rest.empty();) {
     const ssize_t sent = ::send(kEvents, rest.data(), rest.size(), MSG_NOSIGNAL);
     if (sent < 0 && errno == EINTR) continue;
     if (sent <= 0) leave();
     rest = rest.subspan(static_cast<std::size_t>(sent));
   }
+}
+
+void send(const WorkerEvent& event) {
+  send(format_line(event));
 }
 
 /// No limit where `soft` is 0.
@@ -118,10 +123,22 @@ Result<Outcome> run_order(const WorkerOrder& order, std::span<const std::byte> i
   return run_on(input, order, {}, [] { return std::vector<std::string>(); });
 }
 
-Result<void> work(const WorkerCommand& command) {
+/// A line of no event is one of the log. Nothing is said of an order without a trace.
+void log_failure(const std::string& trace, const Error& error) {
+  if (trace.empty()) return;
+  const std::string text = fmt::format("trace {}: {}: {} {}", trace, problem_kind(error.code).slug,
+                                       error.message, error.pointer);
+  std::string line = text.substr(0, kMaxLogLine);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  send(line + "\n");
+}
+
+/// Leaves the order's trace in `trace` as soon as it is known.
+Result<void> work(const WorkerCommand& command, std::string& trace) {
   if (Result<void> confined = confine(command); !confined) return confined;
   const Result<WorkerOrder> order = receive_order();
   if (!order) return order.error();
+  trace = order->trace;
   const Result<InputFile> input = InputFile::map(kInput);
   if (!input) return input.error();
   prepare_heap(heap_estimate(input->bytes().size()));
@@ -134,9 +151,9 @@ Result<void> work(const WorkerCommand& command) {
   return {};
 }
 
-Result<void> work_within_memory(const WorkerCommand& command) {
+Result<void> work_within_memory(const WorkerCommand& command, std::string& trace) {
   try {
-    return work(command);
+    return work(command, trace);
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::memory_limit,
                  "The job needs more memory than a worker may use; send a smaller mesh."};
@@ -146,8 +163,10 @@ Result<void> work_within_memory(const WorkerCommand& command) {
 }  // namespace
 
 int run(const WorkerCommand& command) {
-  const Result<void> done = work_within_memory(command);
+  std::string trace;
+  const Result<void> done = work_within_memory(command, trace);
   if (done) return 0;
+  log_failure(trace, done.error());
   send(Failed{done.error()});
   return problem_kind(done.error().code).exit_code;
 }

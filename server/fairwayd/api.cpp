@@ -25,12 +25,13 @@ Error public_error(const Error& error) {
 
 }  // namespace
 
-Api::Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor, const Log& log,
-         const ApiOptions& options, std::stop_token stop)
+Api::Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor,
+         ServiceMetrics& metrics, const Log& log, const ApiOptions& options, std::stop_token stop)
     : jobs_(jobs),
       blobs_(blobs),
       board_(board),
       supervisor_(supervisor),
+      metrics_(metrics),
       log_(log),
       options_(options),
       stop_(std::move(stop)) {}
@@ -58,7 +59,9 @@ HttpResponse Api::answer(const HttpRequest& request, BodySource& body) {
 HttpResponse Api::answer_place(const Route& route, const HttpRequest& request, BodySource& body) {
   switch (route.place) {
     case Place::livez:
-      return json_response(Json{{"status", "alive"}});
+    case Place::readyz:
+    case Place::metrics:
+      break;  // answered by Operations, in front of this
     case Place::jobs:
       return request.method == "POST" ? submit_job(request, body) : list_jobs(request);
     case Place::job:
@@ -77,9 +80,7 @@ HttpResponse Api::answer_place(const Route& route, const HttpRequest& request, B
 
 HttpResponse Api::refuse(const Error& error) const {
   HttpResponse response = problem_response(public_error(error));
-  if (response.status >= 500) {
-    log_.write(LogLevel::error, "request_failed", {{"reason", error.message}});
-  }
+  if (response.status >= 500) response.cause = error.message;
   return response;
 }
 

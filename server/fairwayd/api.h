@@ -15,6 +15,7 @@
 #include "server/fairwayd/job_store.h"
 #include "server/fairwayd/log.h"
 #include "server/fairwayd/routes.h"
+#include "server/fairwayd/service_metrics.h"
 #include "server/fairwayd/supervisor.h"
 
 namespace fairway {
@@ -22,6 +23,7 @@ namespace fairway {
 struct ApiOptions {
   std::uint64_t max_mesh_bytes = std::uint64_t{512} << 20;
   std::size_t queue_limit = 256;
+  std::uint64_t min_free_bytes = 0;  ///< to leave in the blob store
 };
 
 /// The HTTP API over the stores. Knows no socket and no process.
@@ -29,8 +31,8 @@ class Api final : public HttpApplication {
  public:
   /// All references must outlive it; `stop` ends the waits of POST /v1/denoise
   /// and POST /v1/inspect.
-  Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor, const Log& log,
-      const ApiOptions& options, std::stop_token stop);
+  Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor,
+      ServiceMetrics& metrics, const Log& log, const ApiOptions& options, std::stop_token stop);
 
   bool wants_body(const HttpRequest& request) const override;
   HttpResponse answer(const HttpRequest& request, BodySource& body) override;
@@ -46,6 +48,7 @@ class Api final : public HttpApplication {
   HttpResponse cancel_job(const std::string& id);
   HttpResponse delete_job(const std::string& id);
 
+  Result<void> check_room(const HttpRequest& request);
   Result<void> check_queue();
   Result<std::shared_ptr<InspectionTask>> line_up(const HttpRequest& request, BodySource& body);
   Result<Job> submit(const HttpRequest& request, BodySource& body);
@@ -61,6 +64,7 @@ class Api final : public HttpApplication {
   BlobStore& blobs_;
   JobBoard& board_;
   Supervisor& supervisor_;
+  ServiceMetrics& metrics_;
   const Log& log_;
   const ApiOptions options_;
   const std::stop_token stop_;

@@ -23,14 +23,14 @@ Result<std::shared_ptr<InspectionTask>> Api::line_up(const HttpRequest& request,
   if (auto checked = check_upload(request, options_.max_mesh_bytes); !checked) {
     return checked.error();
   }
-  if (auto room = check_queue(); !room) return room.error();
+  if (auto room = check_room(request); !room) return room.error();
   auto upload = receive_upload(request, body, blobs_, options_.max_mesh_bytes);
   if (!upload) return upload.error();
   const auto queued = jobs_.queue_length();
   if (!queued) return queued.error();
   auto task = std::make_shared<InspectionTask>(
-      std::move(upload->mesh),
-      WorkerOrder{upload->format, std::move(upload->parameters), upload->files, Work::inspect});
+      std::move(upload->mesh), WorkerOrder{upload->format, std::move(upload->parameters),
+                                           upload->files, Work::inspect, request.trace.trace_id});
   const std::size_t places = options_.queue_limit - std::min(*queued, options_.queue_limit);
   if (auto done = supervisor_.inspect(task, places); !done) return done.error();
   return task;

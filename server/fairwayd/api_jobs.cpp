@@ -1,11 +1,14 @@
 // Jobs as clients see them: documents, lists, and their end.
 
 #include <charconv>
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "proto/messages/problem.h"
 #include "server/fairwayd/api.h"
+#include "server/fairwayd/job_log.h"
 
 namespace fairway {
 namespace {
@@ -59,8 +62,8 @@ HttpResponse Api::delete_job(const std::string& id) {
   if (!job) return refuse(job.error());
   if (ended->result) {
     if (auto removed = blobs_.remove(ended->result->key); !removed) {
-      log_.write(LogLevel::warning, "result_not_removed",
-                 {{"job", id}, {"reason", removed.error().message}});
+      about(log_, *ended)
+          .write(LogLevel::warning, "result_not_removed", {{"reason", removed.error().message}});
     }
   }
   board_.announce();
@@ -68,14 +71,20 @@ HttpResponse Api::delete_job(const std::string& id) {
 }
 
 Result<Job> Api::cancel(const std::string& id) {
+  const auto before = jobs_.find(id);
   auto job = jobs_.cancel(id);
   if (!job || job->state != JobState::canceled) return job;
+  if (before && !is_final(before->state)) {
+    const UnixMillis end = job->finished.value_or(job->created);
+    metrics_.job_ended(problem_kind(ErrorCode::canceled).slug,
+                       std::chrono::milliseconds(end - job->created));
+  }
   supervisor_.interrupt(id);
   if (auto removed = blobs_.remove(job->input.key); !removed) {
-    log_.write(LogLevel::warning, "input_not_removed",
-               {{"job", id}, {"reason", removed.error().message}});
+    about(log_, *job)
+        .write(LogLevel::warning, "input_not_removed", {{"reason", removed.error().message}});
   }
-  log_.write(LogLevel::info, "job_canceled", {{"job", id}});
+  about(log_, *job).write(LogLevel::info, "job_canceled");
   board_.announce();
   return job;
 }

@@ -7,6 +7,21 @@
 #include "server/fairwayd/api.h"
 
 namespace fairway {
+namespace {
+
+/// How long the job waited and ran, and was in each stage where this server ran it.
+std::string server_timing(const Job& job, const StageTimes& stages) {
+  const UnixMillis started = job.started.value_or(job.created);
+  const UnixMillis finished = job.finished.value_or(started);
+  std::string text =
+      fmt::format("queue;dur={}, run;dur={}", started - job.created, finished - started);
+  for (const auto& [stage, time] : stages) {
+    text += fmt::format(", {};dur={}", stage, static_cast<double>(time.count()) / 1000.0);
+  }
+  return text;
+}
+
+}  // namespace
 
 HttpResponse Api::show_result(const std::string& id) {
   const auto job = jobs_.find(id);
@@ -39,6 +54,7 @@ HttpResponse Api::result_of(const Job& job) {
   response.headers.emplace_back(
       "Content-Disposition",
       fmt::format("attachment; filename=\"{}.{}\"", job.id, name_of(job.result_format)));
+  response.headers.emplace_back("Server-Timing", server_timing(job, board_.stages(job.id)));
   return response;
 }
 

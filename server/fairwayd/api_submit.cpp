@@ -3,7 +3,10 @@
 #include <chrono>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "server/fairwayd/api.h"
+#include "server/fairwayd/job_log.h"
 #include "server/fairwayd/upload.h"
 #include "server/os/random_id.h"
 
@@ -25,6 +28,18 @@ HttpResponse Api::denoise(const HttpRequest& request, BodySource& body) {
   return job ? wait_for_result(*job, request) : refuse_upload(job.error());
 }
 
+/// Whether an upload has a place to be stored in, and one in the queue.
+Result<void> Api::check_room(const HttpRequest& request) {
+  const auto left = blobs_.free_bytes();
+  if (!left) return left.error();
+  const std::uint64_t needed = request.content_length.value_or(0);
+  if (*left < options_.min_free_bytes || *left - options_.min_free_bytes < needed) {
+    return Error{ErrorCode::storage_full,
+                 fmt::format("{} bytes are left, {} are to be.", *left, options_.min_free_bytes)};
+  }
+  return check_queue();
+}
+
 /// Jobs and inspections wait in one queue.
 Result<void> Api::check_queue() {
   const auto queued = jobs_.queue_length();
@@ -40,20 +55,24 @@ Result<Job> Api::submit(const HttpRequest& request, BodySource& body) {
   if (auto checked = check_upload(request, options_.max_mesh_bytes); !checked) {
     return checked.error();
   }
-  if (auto room = check_queue(); !room) return room.error();
+  if (auto room = check_room(request); !room) return room.error();
   auto upload = receive_upload(request, body, blobs_, options_.max_mesh_bytes);
   if (!upload) return upload.error();
   const std::string id = random_id();
   auto input = upload->mesh->commit("in-" + id);
   if (!input) return input.error();
-  const NewJob job{id, *input, upload->format, dump_json(parameters_document(upload->parameters)),
-                   upload->files};
+  const NewJob job{id,
+                   *input,
+                   upload->format,
+                   dump_json(parameters_document(upload->parameters)),
+                   upload->files,
+                   request.trace.trace_id};
   auto stored = jobs_.submit(job, options_.queue_limit);
   if (!stored) {
     [[maybe_unused]] const auto removed = blobs_.remove(input->key);  // else swept at the start
     return stored.error();
   }
-  log_.write(LogLevel::info, "job_queued", {{"job", id}, {"bytes", input->bytes}});
+  about(log_, *stored).write(LogLevel::info, "job_queued", {{"bytes", input->bytes}});
   board_.announce();
   supervisor_.wake();
   return stored;

@@ -53,6 +53,9 @@ class BlobStore {
   /// Removes a blob; one that does not exist is no error. Errors: io.
   virtual Result<void> remove(std::string_view key) = 0;
 
+  /// How many bytes may still be stored. Errors: io.
+  virtual Result<std::uint64_t> free_bytes() = 0;
+
   /// Removes every blob that is not in `needed`, and what drafts of a dead server left behind. Only
   /// at the start, before any draft exists. Returns how many files. Errors: io.
   virtual Result<std::size_t> sweep(const std::vector<std::string>& needed) = 0;

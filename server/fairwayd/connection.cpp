@@ -57,6 +57,7 @@ Result<bool> Connection::receive(Clock::time_point until) {
   buffer_.resize(had + kReceive);
   const ssize_t got = ::recv(socket_.get(), buffer_.data() + had, kReceive, 0);
   buffer_.resize(had + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+  received_ += buffer_.size() - had;
   return got > 0;
 }
 
@@ -181,6 +182,7 @@ bool Connection::send(std::string_view bytes) {
     if (sent < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (sent <= 0) return false;
     bytes.remove_prefix(static_cast<std::size_t>(sent));
+    sent_ += static_cast<std::uint64_t>(sent);
   }
   return true;
 }

@@ -55,6 +55,10 @@ class Connection {
 
   int descriptor() const { return socket_.get(); }
 
+  /// On the wire since the connection began; received: what has been consumed of it.
+  std::uint64_t bytes_received() const { return received_ - (buffer_.size() - at_); }
+  std::uint64_t bytes_sent() const { return sent_; }
+
  private:
   using Clock = std::chrono::steady_clock;
   enum class Wait { ready, timeout, stopped };
@@ -77,6 +81,8 @@ class Connection {
   bool owes_continue_ = false;  ///< the client waits for "100 Continue" before it sends the body
   bool body_over_ = true;
   Clock::time_point body_until_;
+  std::uint64_t received_ = 0;
+  std::uint64_t sent_ = 0;
 };
 
 }  // namespace fairway

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include <fcntl.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "server/os/file.h"
@@ -102,6 +103,12 @@ Result<void> DirectoryBlobStore::remove(std::string_view key) {
     return file_error("remove a payload", errno);
   }
   return {};
+}
+
+Result<std::uint64_t> DirectoryBlobStore::free_bytes() {
+  struct statvfs disk {};
+  if (::statvfs(spool_.c_str(), &disk) != 0) return file_error("measure the disk", errno);
+  return std::uint64_t{disk.f_bavail} * disk.f_frsize;
 }
 
 Result<std::size_t> DirectoryBlobStore::sweep(const std::vector<std::string>& needed) {

@@ -16,6 +16,7 @@ class DirectoryBlobStore final : public BlobStore {
   Result<std::unique_ptr<BlobDraft>> create() override;
   Result<UniqueFd> open(std::string_view key) override;
   Result<void> remove(std::string_view key) override;
+  Result<std::uint64_t> free_bytes() override;
   Result<std::size_t> sweep(const std::vector<std::string>& needed) override;
 
  private:

@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <memory>
 #include <utility>
 
 #include <httplib.h>
 #include <unistd.h>
+
+#include "server/fairwayd/trace.h"
 
 namespace fairway {
 namespace {
@@ -141,6 +144,8 @@ class Talk final : private httplib::Server {
  private:
   void set_handlers();
   bool serve_one(const RequestHead& head);
+  bool process(const RequestHead& head);
+  void tell_answered();
   HttpRequest request_of(const httplib::Request& from) const;
   void put(HttpResponse from, httplib::Response& to);
   void refuse(const Error& error);
@@ -151,6 +156,10 @@ class Talk final : private httplib::Server {
   RequestStream stream_;
   const RequestHead* head_ = nullptr;  ///< of the request being answered
   bool close_ = false;                 ///< after this answer
+  HttpExchange exchange_;              ///< of the request being answered
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  std::uint64_t told_in_ = 0;  ///< bytes of the exchanges before
+  std::uint64_t told_out_ = 0;
 };
 
 void Talk::set_handlers() {
@@ -183,7 +192,11 @@ void Talk::set_handlers() {
     put(problem_response({ErrorCode::internal, "The server met a defect of its own."}), to);
     close_ = true;
   });
-  set_post_routing_handler([this](const httplib::Request&, httplib::Response& to) {
+  set_post_routing_handler([this](const httplib::Request& from, httplib::Response& to) {
+    exchange_.method = from.method;
+    exchange_.path = from.path;
+    exchange_.status = to.status;
+    to.set_header("traceparent", format_traceparent(exchange_.trace));
     if (!close_) return;
     to.headers.erase("Connection");
     to.headers.erase("Keep-Alive");
@@ -201,6 +214,7 @@ HttpRequest Talk::request_of(const httplib::Request& from) const {
   request.has_content_encoding = head_->has_content_encoding;
   request.has_length = head_->framing.chunked || head_->framing.length.has_value();
   request.content_length = head_->framing.length;
+  request.trace = exchange_.trace;
   request.client_is_there = [this] { return connection_.client_is_there(); };
   return request;
 }
@@ -219,11 +233,36 @@ void Talk::put(HttpResponse from, httplib::Response& to) {
 
 /// Answers a request whose head cannot even be given to the library.
 void Talk::refuse(const Error& error) {
+  exchange_ = {};
+  exchange_.trace = trace_of({});
+  exchange_.status = problem_response(error).status;
+  began_ = std::chrono::steady_clock::now();
   connection_.send(refusal_message(error));
+  tell_answered();
   connection_.finish_refused();
 }
 
+/// Serves one request and tells the application how that went.
 bool Talk::serve_one(const RequestHead& head) {
+  exchange_ = {};
+  exchange_.trace = trace_of(head.headers);
+  began_ = std::chrono::steady_clock::now();
+  const bool goes_on = process(head);
+  tell_answered();
+  return goes_on;
+}
+
+void Talk::tell_answered() {
+  exchange_.took = std::chrono::duration_cast<std::chrono::microseconds>(
+      std::chrono::steady_clock::now() - began_);
+  exchange_.bytes_in = connection_.bytes_received() - told_in_;
+  exchange_.bytes_out = connection_.bytes_sent() - told_out_;
+  told_in_ += exchange_.bytes_in;
+  told_out_ += exchange_.bytes_out;
+  application_.answered(exchange_);
+}
+
+bool Talk::process(const RequestHead& head) {
   head_ = &head;
   close_ = !head.keep_alive;
   stream_.begin(head.text);
@@ -255,7 +294,9 @@ namespace fairway {
 
 void serve_connection(Connection& connection, HttpApplication& application, const Log& log,
                       const ConnectionLimits& limits) {
+  application.connections_changed(+1);
   Talk(connection, application, log, limits).run();
+  application.connections_changed(-1);
 }
 
 }  // namespace fairway

@@ -20,6 +20,11 @@ class HttpApplication {
   /// The answer to a request; `body` is empty unless wants_body(). A body that is not read to its
   /// end ends the connection.
   virtual HttpResponse answer(const HttpRequest& request, BodySource& body) = 0;
+
+  /// Hears of every answer after it was sent.
+  virtual void answered(const HttpExchange& /*exchange*/) {}
+  /// Hears of connections: +1 where one begins, -1 where it ends.
+  virtual void connections_changed(int /*by*/) {}
 };
 
 /// Answers all requests of one connection, until it ends.

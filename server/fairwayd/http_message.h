@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,6 +19,13 @@ namespace fairway {
 
 using NameValues = std::vector<std::pair<std::string, std::string>>;
 
+/// Where a request stands in a trace of several services (W3C Trace Context).
+struct TraceContext {
+  std::string trace_id;  ///< 32 hexadecimal digits
+  std::string span_id;   ///< 16, of what this server does with the request
+  bool sampled = false;  ///< the caller records this trace
+};
+
 /// A request without its body, decoded and within limits. All text is the client's.
 struct HttpRequest {
   std::string method;
@@ -28,6 +36,7 @@ struct HttpRequest {
   bool has_content_encoding = false;            ///< other than identity
   bool has_length = false;                      ///< framed by Content-Length or chunks
   std::optional<std::uint64_t> content_length;  ///< where it is declared
+  TraceContext trace;                           ///< see trace_of()
   /// False once the client has hung up. May be asked from the thread that answers.
   std::function<bool()> client_is_there = [] { return true; };
 
@@ -48,7 +57,19 @@ struct HttpResponse {
   std::string body;
   std::optional<FileBody> file = {};
   NameValues headers = {};
-  bool close = false;  ///< end the connection after this answer
+  bool close = false;      ///< end the connection after this answer
+  std::string cause = {};  ///< what the log is to say of a failure; never sent
+};
+
+/// One request and its answer, once that has been sent.
+struct HttpExchange {
+  std::string method;  ///< the client's text; both empty where the request could not be understood
+  std::string path;
+  int status = 0;
+  std::uint64_t bytes_in = 0;   ///< on the wire, as far as they were read
+  std::uint64_t bytes_out = 0;  ///< on the wire
+  std::chrono::microseconds took{0};
+  TraceContext trace;
 };
 
 /// The head of one part of a multipart body.

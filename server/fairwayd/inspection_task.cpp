@@ -23,7 +23,7 @@ Result<Json> answer_of(const WorkerEnd& end) {
 }
 
 Result<WorkerEnd> run_once(const InspectionTask& task, const InspectionSetting& setting,
-                           const std::stop_token& stop) {
+                           const Log& log, const std::stop_token& stop) {
   const auto nowhere = open_file("/dev/null", O_WRONLY);
   if (!nowhere) return nowhere.error();
   const WorkerTask work{setting.worker, task.input(), nowhere->get(), task.order(), setting.limits};
@@ -32,13 +32,14 @@ Result<WorkerEnd> run_once(const InspectionTask& task, const InspectionSetting& 
       [](const Progress&) {},
       [&](std::string_view text) {
         if (++text_lines > kMaxTextLines) return;
-        setting.log.write(LogLevel::warning, "worker_text", {{"text", std::string(text)}});
+        log.write(LogLevel::warning, "worker_text", {{"text", std::string(text)}});
       },
       [&] {
         setting.interrupt.lower();
         return !stop.stop_requested() && !task.is_abandoned();
       },
-      setting.interrupt};
+      setting.interrupt,
+      [&](const ExitStatus& status) { setting.metrics.worker_ended(status.peak_resident_bytes); }};
   return run_worker(work, watch);
 }
 
@@ -60,18 +61,19 @@ std::optional<Result<Json>> InspectionTask::wait(std::chrono::milliseconds time,
 }
 
 void run_inspection(InspectionTask& task, const InspectionSetting& setting, std::stop_token stop) {
+  const Log log = setting.log.with({{"trace", task.order().trace}});
   for (int attempt = 1;; ++attempt) {
-    const Result<WorkerEnd> end = run_once(task, setting, stop);
+    const Result<WorkerEnd> end = run_once(task, setting, log, stop);
     const auto* death = end ? std::get_if<WorkerDied>(&*end) : nullptr;
     if (death != nullptr) {
-      setting.log.write(LogLevel::warning, "inspecting_worker_died",
-                        {{"attempt", attempt}, {"how", death->how}});
+      log.write(LogLevel::warning, "inspecting_worker_died",
+                {{"attempt", attempt}, {"how", death->how}});
       if (attempt < kMaxWorkerDeaths) continue;
     }
     Result<Json> answer = end ? answer_of(*end) : Result<Json>(end.error());
-    setting.log.write(
-        LogLevel::info, "inspected",
-        {{"attempt", attempt}, {"problem", answer ? "" : problem_kind(answer.error().code).slug}});
+    const std::string_view problem = answer ? "" : problem_kind(answer.error().code).slug;
+    setting.metrics.inspected(answer ? "succeeded" : problem);
+    log.write(LogLevel::info, "inspected", {{"attempt", attempt}, {"problem", problem}});
     return task.answer(std::move(answer));
   }
 }

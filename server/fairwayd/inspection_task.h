@@ -15,6 +15,7 @@
 #include "proto/messages/worker_protocol.h"
 #include "server/fairwayd/blob_store.h"
 #include "server/fairwayd/log.h"
+#include "server/fairwayd/service_metrics.h"
 #include "server/fairwayd/worker_run.h"
 #include "server/os/event_flag.h"
 
@@ -56,6 +57,7 @@ struct InspectionSetting {
   const std::filesystem::path& worker;
   const WorkerLimits& limits;
   const EventFlag& interrupt;  ///< raised when a stop is requested
+  ServiceMetrics& metrics;
   const Log& log;
 };
 

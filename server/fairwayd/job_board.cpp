@@ -1,6 +1,13 @@
 #include "server/fairwayd/job_board.h"
 
+#include <utility>
+
 namespace fairway {
+namespace {
+
+constexpr std::size_t kStagesKept = 1000;
+
+}  // namespace
 
 void JobBoard::post(const std::string& job_id, const Progress& progress) {
   const std::lock_guard lock(mutex_);
@@ -17,6 +24,20 @@ std::optional<Progress> JobBoard::progress(const std::string& job_id) const {
   const auto found = progress_.find(job_id);
   if (found == progress_.end()) return std::nullopt;
   return found->second;
+}
+
+void JobBoard::keep_stages(const std::string& job_id, StageTimes stages) {
+  const std::lock_guard lock(mutex_);
+  if (stages_.insert_or_assign(job_id, std::move(stages)).second) stages_kept_.push_back(job_id);
+  if (stages_kept_.size() <= kStagesKept) return;
+  stages_.erase(stages_kept_.front());
+  stages_kept_.pop_front();
+}
+
+StageTimes JobBoard::stages(const std::string& job_id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = stages_.find(job_id);
+  return found == stages_.end() ? StageTimes() : found->second;
 }
 
 void JobBoard::announce() {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <string_view>
 
 #include "proto/messages/worker_protocol.h"
+#include "server/fairwayd/stage_clock.h"
 
 namespace fairway {
 
@@ -24,6 +26,11 @@ class JobBoard {
   void forget(const std::string& job_id);
   std::optional<Progress> progress(const std::string& job_id) const;
 
+  /// How long a job that ended well here was in each stage; kept of the last thousand.
+  void keep_stages(const std::string& job_id, StageTimes stages);
+  /// Empty where they are not known.
+  StageTimes stages(const std::string& job_id) const;
+
   /// Some job's state was written. Wakes all who wait.
   void announce();
 
@@ -36,6 +43,8 @@ class JobBoard {
   mutable std::mutex mutex_;
   mutable std::condition_variable_any changed_;
   std::map<std::string, Progress> progress_;
+  std::map<std::string, StageTimes> stages_;
+  std::deque<std::string> stages_kept_;  ///< the keys of stages_, oldest first
   std::uint64_t turn_ = 0;
 };
 

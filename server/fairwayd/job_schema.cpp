@@ -8,7 +8,7 @@ namespace fairway {
 namespace {
 
 /// Step n brings user_version n to n + 1. Steps are only ever added.
-constexpr std::array<const char*, 2> kSteps{
+constexpr std::array<const char*, 4> kSteps{
     R"sql(
   CREATE TABLE job (
     seq           INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -46,6 +46,12 @@ constexpr std::array<const char*, 2> kSteps{
 )sql",
     R"sql(
   ALTER TABLE job ADD COLUMN input_files INTEGER NOT NULL DEFAULT 1 CHECK (input_files >= 1);
+)sql",
+    R"sql(
+  ALTER TABLE job ADD COLUMN trace_id TEXT NOT NULL DEFAULT '';
+)sql",
+    R"sql(
+  CREATE TABLE probe (id INTEGER PRIMARY KEY CHECK (id = 1), at INTEGER NOT NULL) STRICT;
 )sql"};
 
 }  // namespace

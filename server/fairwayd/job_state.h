@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "proto/messages/job_document.h"
 
 namespace fairway {
@@ -26,6 +28,10 @@ constexpr bool may_follow(JobState from, JobState to) {
   }
   return false;
 }
+
+/// All of them.
+inline constexpr std::array kJobStates = {JobState::queued, JobState::running,  JobState::succeeded,
+                                          JobState::failed, JobState::canceled, JobState::expired};
 
 /// So many workers may die on a job while their server lives; the last one fails it.
 inline constexpr int kMaxWorkerDeaths = 2;

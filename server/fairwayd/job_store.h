@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,6 +35,7 @@ struct Job {
   std::string report;                 ///< JSON; empty unless succeeded
   std::optional<BlobInfo> result;     ///< exactly if succeeded
   Format result_format = Format::glb;
+  std::string trace_id;  ///< of the submit, see TraceContext; empty where it is not known
 };
 
 /// What submit() needs. The input is durable in the BlobStore before.
@@ -43,6 +45,7 @@ struct NewJob {
   Format input_format = Format::glb;
   std::string parameters;
   std::size_t input_files = 1;
+  std::string trace_id = {};
 };
 
 /// The right to work on a job. Every write through it is refused once another claim, a cancel or a
@@ -73,6 +76,12 @@ struct JobQuery {
   std::size_t limit = 50;
 };
 
+/// How many jobs there are.
+struct JobCounts {
+  std::map<JobState, std::size_t> by_state;  ///< every state
+  std::optional<UnixMillis> oldest_queued;   ///< when it was created
+};
+
 /// Where jobs live. All operations are atomic and durable when they return, and may be called from
 /// any thread, and by several servers at once where the implementation is shared: API replicas call
 /// submit, find, list, cancel, expire; worker hosts call claim, heartbeat, finish, give_back,
@@ -91,6 +100,12 @@ class JobStore {
 
   /// How many jobs are queued: lets a server refuse before it reads an upload.
   virtual Result<std::size_t> queue_length() = 0;
+
+  /// How many jobs there are in each state, without reading them.
+  virtual Result<JobCounts> counts() = 0;
+
+  /// Writes something and makes it durable, to see whether that works.
+  virtual Result<void> probe() = 0;
 
   /// Errors: not_found.
   virtual Result<Job> find(std::string_view id) = 0;

@@ -35,7 +35,7 @@ std::uint16_t port_of(int socket) {
 }  // namespace
 
 Result<ListenAddress> parse_listen_address(std::string_view text) {
-  const Error usage{ErrorCode::usage, "--listen takes HOST:PORT, such as 127.0.0.1:8080."};
+  const Error usage{ErrorCode::usage, "An address has the form HOST:PORT, such as 127.0.0.1:8080."};
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos || colon == 0) return usage;
   std::string_view host = text.substr(0, colon);

@@ -32,8 +32,15 @@ Json cut(const Json& value) {
 
 }  // namespace
 
+Log Log::with(std::initializer_list<Field> fields) const {
+  Log log = *this;
+  for (const auto& [name, value] : fields) log.context_[std::string(name)] = cut(value);
+  return log;
+}
+
 void Log::write(LogLevel level, std::string_view event, std::initializer_list<Field> fields) const {
   Json line{{"time", rfc3339_utc(wall_clock())}, {"level", name_of(level)}, {"event", event}};
+  line.update(context_);
   for (const auto& [name, value] : fields) line[std::string(name)] = cut(value);
   const std::string text = dump_json(line) + "\n";
   // One write per line keeps lines whole. A log that cannot be written has nowhere to complain.

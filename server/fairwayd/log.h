@@ -19,12 +19,16 @@ class Log {
   /// Writes to a descriptor that stays open and is not owned.
   explicit Log(int descriptor) : descriptor_(descriptor) {}
 
+  /// The same log with fields that every line of it begins with.
+  Log with(std::initializer_list<Field> fields) const;
+
   /// `event` is a fixed snake_case word.
   void write(LogLevel level, std::string_view event,
              std::initializer_list<Field> fields = {}) const;
 
  private:
   int descriptor_;
+  Json context_ = Json::object();
 };
 
 }  // namespace fairway

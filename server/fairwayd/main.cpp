@@ -1,7 +1,10 @@
 #include <cstdio>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "proto/messages/problem.h"
 #include "server/fairwayd/service.h"
@@ -17,8 +20,11 @@ int complain(const fairway::Error& error) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  const auto settings =
-      fairway::parse_settings({arguments + 1, static_cast<std::size_t>(count > 0 ? count - 1 : 0)});
+  std::vector<std::string> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable)
+    variables.emplace_back(*variable);
+  const auto settings = fairway::parse_settings(
+      {arguments + 1, static_cast<std::size_t>(count > 0 ? count - 1 : 0)}, variables);
   if (!settings) return complain(settings.error());
   if (settings->help) {
     fmt::print("{}", fairway::usage_text());
@@ -26,6 +32,10 @@ int main(int count, char** arguments) {
   }
   if (settings->version) {
     fmt::print("fairwayd {}\n", FAIRWAY_VERSION);
+    return 0;
+  }
+  if (settings->print_config) {
+    fmt::print("{}", fairway::print_settings(*settings));
     return 0;
   }
   const auto served = fairway::run_service(*settings);

@@ -17,6 +17,8 @@ struct Row {
 
 constexpr std::array kRows = {
     Row{Place::livez, "/livez", "GET, HEAD"},
+    Row{Place::readyz, "/readyz", "GET, HEAD"},
+    Row{Place::metrics, "/metrics", "GET, HEAD"},
     Row{Place::jobs, "/v1/jobs", "GET, HEAD, POST", "POST"},
     Row{Place::job, "/v1/jobs/{id}", "GET, HEAD, DELETE"},
     Row{Place::job_result, "/v1/jobs/{id}/result", "GET, HEAD"},
@@ -63,6 +65,15 @@ std::optional<Route> route_of(std::string_view path) {
     if (auto id = match(row.path, path)) return Route{row.place, *std::move(id)};
   }
   return std::nullopt;
+}
+
+bool is_open(Place place, Entrance entrance) {
+  if (entrance == Entrance::only || place == Place::livez || place == Place::readyz) return true;
+  return (place == Place::metrics) == (entrance == Entrance::admin);
+}
+
+std::string_view pattern_of(Place place) {
+  return row_of(place).path;
 }
 
 std::string_view allowed_methods(Place place) {

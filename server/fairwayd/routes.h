@@ -9,6 +9,8 @@ namespace fairway {
 /// The places of the API. Their paths and methods stand in one table, in routes.cpp.
 enum class Place {
   livez,       ///< /livez
+  readyz,      ///< /readyz
+  metrics,     ///< /metrics
   jobs,        ///< /v1/jobs
   job,         ///< /v1/jobs/{id}
   job_result,  ///< /v1/jobs/{id}/result
@@ -24,6 +26,20 @@ struct Route {
 
 /// The place of a decoded path; nothing where there is none, or where {id} cannot be an id.
 std::optional<Route> route_of(std::string_view path);
+
+/// Which listener a request came to.
+enum class Entrance {
+  only,   ///< the one listener there is
+  main,   ///< the main one, beside one for administration
+  admin,  ///< the one for administration
+};
+
+/// True where the place may be reached there: health everywhere, the API at the main listener,
+/// metrics at the one for administration if there is one.
+bool is_open(Place place, Entrance entrance);
+
+/// The path of a place as the table has it: "/v1/jobs/{id}".
+std::string_view pattern_of(Place place);
 
 /// The methods of a place, as in an Allow header: "GET, HEAD, POST".
 std::string_view allowed_methods(Place place);

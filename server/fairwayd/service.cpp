@@ -2,7 +2,10 @@
 
 #include <csignal>
 #include <cstdio>
+#include <memory>
+#include <optional>
 #include <stop_token>
+#include <string>
 #include <system_error>
 #include <thread>
 
@@ -13,26 +16,19 @@
 #include "server/fairwayd/api.h"
 #include "server/fairwayd/data_directory.h"
 #include "server/fairwayd/directory_blob_store.h"
+#include "server/fairwayd/operations.h"
+#include "server/fairwayd/readiness.h"
+#include "server/fairwayd/service_metrics.h"
 #include "server/fairwayd/sqlite_job_store.h"
 #include "server/fairwayd/supervisor.h"
 #include "server/fairwayd/upload.h"
 #include "server/os/event_flag.h"
+#include "server/os/stop_signals.h"
 
 namespace fairway {
 namespace {
 
 constexpr std::string_view kOwner = "local";
-
-/// Blocks the signals that stop the service, for this thread and all that it starts.
-sigset_t block_stop_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
-  return signals;
-}
 
 Result<std::filesystem::path> worker_program(const Settings& settings) {
   std::filesystem::path program = settings.worker;
@@ -78,51 +74,138 @@ ConnectionLimits connection_limits(const Settings& settings) {
   return limits;
 }
 
-void wait_for(const sigset_t& signals) {
-  int signal = 0;
-  ::sigwait(&signals, &signal);
+struct Listeners {
+  Listener main;
+  std::optional<Listener> admin;
+};
+
+Result<Listeners> listen(const Settings& settings) {
+  auto main = listen_on(settings.listen);
+  if (!main) return main.error();
+  Listeners listeners{*std::move(main), {}};
+  if (settings.admin_listen) {
+    auto admin = listen_on(*settings.admin_listen);
+    if (!admin) return admin.error();
+    listeners.admin = *std::move(admin);
+  }
+  return listeners;
+}
+
+/// What is said on standard output once the service is ready.
+std::string ready_text(const Listeners& listeners) {
+  std::string text =
+      fmt::format("fairwayd: listening on http://{}\n", to_string(listeners.main.address));
+  if (listeners.admin) {
+    text +=
+        fmt::format("fairwayd: administration on http://{}\n", to_string(listeners.admin->address));
+  }
+  return text;
+}
+
+/// What is taken before anything runs.
+struct Ground {
+  DataDirectory directory;
+  Listeners listeners;
+  std::unique_ptr<JobStore> jobs;
+  std::unique_ptr<BlobStore> blobs;
+};
+
+Result<Ground> prepare(const Settings& settings, const Log& log) {
+  auto directory = DataDirectory::open(settings.data);
+  if (!directory) return directory.error();
+  auto listeners = listen(settings);
+  if (!listeners) return listeners.error();
+  auto jobs = SqliteJobStore::open(directory->jobs());
+  if (!jobs) return jobs.error();
+  auto blobs = DirectoryBlobStore::open(directory->blobs(), directory->spool());
+  if (!blobs) return blobs.error();
+  if (auto done = recover(**jobs, **blobs, log); !done) return done.error();
+  return Ground{*std::move(directory), *std::move(listeners), *std::move(jobs), *std::move(blobs)};
+}
+
+/// What a running service is made of, in the order of its making.
+struct Service {
+  JobStore& jobs;
+  BlobStore& blobs;
+  Readiness& readiness;
+  ServiceMetrics& metrics;
+  Api& api;
+  Supervisor& supervisor;
+  const EventFlag& stopping;  ///< ends connections
+  const EventFlag& idle;      ///< raised where a drain has nothing left to wait for
+  const Log& log;
+};
+
+/// Lets running jobs end, for a while: a second signal, or the end of the time, ends the wait.
+void drain(Supervisor& supervisor, const EventFlag& idle, const StopSignals& signals,
+           std::chrono::seconds time) {
+  if (time.count() == 0) return;
+  supervisor.drain(idle);
+  signals.wait(idle.descriptor(), time);
+}
+
+/// One listener or two, until a signal comes; then no new connection or request.
+Result<void> serve(const Settings& settings, Service& service, Listeners listeners,
+                   const StopSignals& signals, std::stop_source& stop) {
+  const Operations::Parts parts{service.api,       service.jobs,    service.blobs,
+                                service.readiness, service.metrics, service.log};
+  const ConnectionLimits limits = connection_limits(settings);
+  Operations main(parts, listeners.admin ? Entrance::main : Entrance::only);
+  Operations administration(parts, Entrance::admin);
+  const std::string ready = ready_text(listeners);
+  HttpServer server(std::move(listeners.main), main, service.log, limits, service.stopping);
+  std::optional<HttpServer> admin_server;
+  if (listeners.admin) {
+    admin_server.emplace(*std::move(listeners.admin), administration, service.log, limits,
+                         service.stopping);
+  }
+  if (auto done = service.supervisor.start(); !done) return done;
+  server.start();
+  if (admin_server) admin_server->start();
+  fmt::print("{}", ready);
+  std::fflush(stdout);
+  signals.wait();
+  service.log.write(LogLevel::info, "stopping");
+  service.stopping.raise();
+  drain(service.supervisor, service.idle, signals, settings.drain);
+  stop.request_stop();
+  return {};
 }
 
 }  // namespace
 
 Result<void> run_service(const Settings& settings) {
-  const sigset_t signals = block_stop_signals();
+  auto signals = StopSignals::block();
+  if (!signals) return signals.error();
+  std::signal(SIGPIPE, SIG_IGN);
   ::umask(077);  // meshes are their owners' business, and no other user's of this machine
   const Log log(STDERR_FILENO);
+  for (const std::string& name : settings.unknown_variables) {
+    log.write(LogLevel::warning, "unknown_variable", {{"name", name}});
+  }
   auto worker = worker_program(settings);
   if (!worker) return worker.error();
-  auto directory = DataDirectory::open(settings.data);
-  if (!directory) return directory.error();
-  auto listener = listen_on(settings.listen);
-  if (!listener) return listener.error();
-  auto jobs = SqliteJobStore::open(directory->jobs());
-  if (!jobs) return jobs.error();
-  auto blobs = DirectoryBlobStore::open(directory->blobs(), directory->spool());
-  if (!blobs) return blobs.error();
-  if (auto done = recover(**jobs, **blobs, log); !done) return done;
+  auto ground = prepare(settings, log);
+  if (!ground) return ground.error();
   auto stopping = EventFlag::create();
-  if (!stopping) return stopping.error();
+  auto idle = EventFlag::create();
+  if (!stopping || !idle) return stopping ? idle.error() : stopping.error();
 
-  const std::string address = to_string(listener->address);
   std::stop_source stop;
   JobBoard board;
-  Supervisor supervisor(**jobs, **blobs, board, log, supervisor_options(settings, *worker));
-  Api api(**jobs, **blobs, board, supervisor, log, {settings.max_body, settings.queue},
-          stop.get_token());
-  {
-    HttpServer server(std::move(*listener), api, log, connection_limits(settings), *stopping);
-    if (auto done = supervisor.start(); !done) return done;
-    server.start();
-    fmt::print("fairwayd: listening on http://{}\n", address);
-    std::fflush(stdout);
-    wait_for(signals);
-    log.write(LogLevel::info, "stopping");
-    stop.request_stop();
-    stopping->raise();
-  }
+  ServiceMetrics metrics(FAIRWAY_VERSION);
+  const SupervisorOptions options = supervisor_options(settings, *worker);
+  Supervisor supervisor(*ground->jobs, *ground->blobs, board, metrics, log, options);
+  Api api(*ground->jobs, *ground->blobs, board, supervisor, metrics, log,
+          {settings.max_body, settings.queue, settings.min_free}, stop.get_token());
+  Readiness readiness(*ground->jobs, *ground->blobs, log,
+                      {*worker, options.limits, settings.min_free}, stop.get_token());
+  Service service{*ground->jobs, *ground->blobs, readiness, metrics, api,
+                  supervisor,    *stopping,      *idle,     log};
+  auto served = serve(settings, service, std::move(ground->listeners), *signals, stop);
   supervisor.stop();
-  log.write(LogLevel::info, "stopped");
-  return {};
+  if (served) log.write(LogLevel::info, "stopped");
+  return served;
 }
 
 }  // namespace fairway

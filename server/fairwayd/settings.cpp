@@ -1,66 +1,139 @@
-// The command line of fairwayd.
+// The settings of fairwayd from flags, variables and a file, by the one table of settings.
 
 #include "server/fairwayd/settings.h"
 
 #include <algorithm>
+#include <map>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "server/fairwayd/setting_table.h"
+#include "server/fairwayd/settings_file.h"
 
 namespace fairway {
 namespace {
 
-constexpr std::uint64_t kAnyBytes = std::uint64_t{1} << 48;
+constexpr std::string_view kPrefix = "FAIRWAY_";
+constexpr std::string_view kConfigVariable = "FAIRWAY_CONFIG";
+/// Variables with the prefix that others read.
+constexpr std::string_view kForeignVariable = "FAIRWAY_SHARED";
 
-/// Options that write into `settings` and `listen`.
+Settings default_settings() {
+  Settings settings;
+  settings.workers = std::max(1U, std::thread::hardware_concurrency());
+  return settings;
+}
+
+/// The flags, as texts.
 struct CommandLine {
   CommandLine() {
-    settings.workers = std::max(1U, std::thread::hardware_concurrency());
+    const Settings defaults = default_settings();
     app.set_help_flag();
-    app.add_flag("--help,-h", settings.help, "Print this and exit");
-    app.add_flag("--version", settings.version, "Print the version and exit");
-    app.add_option("--data", settings.data, "Where jobs and meshes are kept; made where absent")
-        ->type_name("DIR");
-    app.add_option("--listen", listen, "Address of the HTTP API; port 0 = any free one")
-        ->type_name("HOST:PORT")
-        ->capture_default_str();
-    number("--workers", settings.workers, "Jobs that run at a time", 1, 1024);
-    number("--queue", settings.queue, "Jobs that may wait; more are answered 429", 1, 1'000'000);
-    number("--max-body", settings.max_body, "Largest mesh in bytes", 1, kAnyBytes);
-    number("--deadline", deadline, "Longest run of one job in seconds", 1, 86'400);
-    number("--worker-memory", settings.worker_memory, "Address space of one job in bytes; 0 = any",
-           0, kAnyBytes);
-    app.add_option("--worker", settings.worker, "The fairway program; default: beside fairwayd")
-        ->type_name("PATH");
+    app.add_flag("--help,-h", help, "Print this and exit");
+    app.add_flag("--version", version, "Print the version and exit");
+    app.add_flag("--print-config", print_config,
+                 "Print the settings in force as a file for --config, and exit");
+    app.add_option("--config", config, "A file of lines \"name = value\", # begins a comment")
+        ->type_name("FILE");
+    const auto rows = setting_rows();
+    values.resize(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      app.add_option(flag_of(rows[i]), values[i], std::string(rows[i].help))
+          ->type_name(std::string(rows[i].value_name))
+          ->default_str(text_of(defaults, rows[i]));
+    }
     app.footer(
-        "\nSIGTERM and SIGINT stop it; running jobs go back to the queue and are done after the "
-        "next start.");
-  }
-
-  template <class Number>
-  void number(const std::string& name, Number& target, const std::string& help, std::uint64_t low,
-              std::uint64_t high) {
-    app.add_option(name, target, help)
-        ->check(CLI::Range(static_cast<Number>(low), static_cast<Number>(high)))
-        ->type_name("N")
-        ->capture_default_str();
+        "\nEvery option may also be a variable (--max-body: FAIRWAY_MAX_BODY) or a line of the "
+        "file (max-body = 1000).\nA flag wins over a variable, a variable over the file.\n\n"
+        "SIGTERM and SIGINT stop it: running jobs may end within --drain seconds; what does not "
+        "goes back\nto the queue and is done after the next start. A second signal ends the wait.");
   }
 
   CLI::App app{"fairwayd: the mesh-denoising service", "fairwayd"};
-  Settings settings;
-  std::string listen = to_string(ListenAddress{});
-  std::uint64_t deadline = static_cast<std::uint64_t>(Settings{}.deadline.count());
+  bool help = false;
+  bool version = false;
+  bool print_config = false;
+  std::string config;
+  std::vector<std::string> values;  ///< of each row of the table
 };
 
 Error usage(const std::string& message) {
   return {ErrorCode::usage, message + " See fairwayd --help."};
 }
 
+/// Writes a value into the settings and keeps where it came from.
+Result<void> take(Settings& settings, const SettingRow& row, std::string_view text,
+                  const std::string& origin, std::string_view subject = {}) {
+  if (auto done = assign(settings, row, text); !done) {
+    return usage(fmt::format("{}{} {}", origin, subject, done.error().message));
+  }
+  const auto place = static_cast<std::size_t>(&row - setting_rows().data());
+  settings.origins.at(place) = origin;
+  return {};
+}
+
+Result<void> take_file(Settings& settings, const std::string& file) {
+  if (file.empty()) return {};
+  const auto lines = read_settings_file(file);
+  if (!lines) return lines.error();
+  for (const SettingLine& line : *lines) {
+    const std::string place = fmt::format("{}:{}", file, line.line);
+    const SettingRow* row = find_setting(line.name);
+    if (row == nullptr) return usage(fmt::format("{} There is no \"{}\".", place, line.name));
+    if (auto done = take(settings, *row, line.value, place, " " + line.name); !done) return done;
+  }
+  return {};
+}
+
+using Variables = std::map<std::string, std::string, std::less<>>;
+
+/// Those with our prefix that are not empty.
+Variables variables_of(std::span<const std::string> environment) {
+  Variables variables;
+  for (const std::string& entry : environment) {
+    const std::size_t equals = entry.find('=');
+    if (!entry.starts_with(kPrefix) || equals == std::string::npos) continue;
+    if (equals + 1 < entry.size()) {
+      variables.emplace(entry.substr(0, equals), entry.substr(equals + 1));
+    }
+  }
+  return variables;
+}
+
+Result<void> take_variables(Settings& settings, Variables variables) {
+  for (const SettingRow& row : setting_rows()) {
+    const auto found = variables.find(variable_of(row));
+    if (found == variables.end()) continue;
+    if (auto done = take(settings, row, found->second, found->first); !done) return done;
+    variables.erase(found);
+  }
+  for (const auto& [name, value] : variables) {
+    if (name != kConfigVariable && name != kForeignVariable) {
+      settings.unknown_variables.push_back(name);
+    }
+  }
+  return {};
+}
+
+Result<void> take_flags(Settings& settings, const CommandLine& line) {
+  const auto rows = setting_rows();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string flag = flag_of(rows[i]);
+    if (line.app.count(flag) == 0) continue;
+    if (auto done = take(settings, rows[i], line.values[i], flag); !done) return done;
+  }
+  return {};
+}
+
 }  // namespace
 
-Result<Settings> parse_settings(std::span<const char* const> arguments) {
+Result<Settings> parse_settings(std::span<const char* const> arguments,
+                                std::span<const std::string> environment) {
   CommandLine line;
   // CLI11 takes the arguments from the back.
   std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
@@ -69,14 +142,31 @@ Result<Settings> parse_settings(std::span<const char* const> arguments) {
   } catch (const CLI::ParseError& e) {
     return usage(std::string(e.what()) + ".");
   }
-  Settings settings = std::move(line.settings);
+  Settings settings = default_settings();
+  settings.help = line.help;
+  settings.version = line.version;
+  settings.print_config = line.print_config;
   if (settings.help || settings.version) return settings;
+  settings.origins.assign(setting_rows().size(), "default");
+
+  Variables variables = variables_of(environment);
+  const auto file = variables.find(kConfigVariable);
+  if (line.config.empty() && file != variables.end()) line.config = file->second;
+  if (auto done = take_file(settings, line.config); !done) return done.error();
+  if (auto done = take_variables(settings, std::move(variables)); !done) return done.error();
+  if (auto done = take_flags(settings, line); !done) return done.error();
   if (settings.data.empty()) return usage("--data DIR is needed: where jobs and meshes are kept.");
-  settings.deadline = std::chrono::seconds(line.deadline);
-  Result<ListenAddress> address = parse_listen_address(line.listen);
-  if (!address) return address.error();
-  settings.listen = *std::move(address);
   return settings;
+}
+
+std::string print_settings(const Settings& settings) {
+  std::string text;
+  const auto rows = setting_rows();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    text += fmt::format("# {}\n{} = {}\n", settings.origins.at(i), rows[i].name,
+                        text_of(settings, rows[i]));
+  }
+  return text;
 }
 
 std::string usage_text() {

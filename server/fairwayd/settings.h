@@ -7,28 +7,44 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/result.h"
 #include "server/fairwayd/http_server.h"
 
 namespace fairway {
 
-/// The command line of fairwayd.
+/// What fairwayd runs with. Every value has a row in setting_table.cpp, which names it.
 struct Settings {
   ListenAddress listen;
+  std::optional<ListenAddress> admin_listen;  ///< a listener of its own for metrics
   std::filesystem::path data;
   std::size_t workers = 1;                               ///< jobs at a time
   std::size_t queue = 256;                               ///< jobs that may wait
   std::uint64_t max_body = std::uint64_t{512} << 20;     ///< bytes of one mesh
   std::chrono::seconds deadline{300};                    ///< of one job, wall clock
   std::uint64_t worker_memory = std::uint64_t{4} << 30;  ///< address space in bytes; 0 = any
+  std::uint64_t min_free = std::uint64_t{1} << 30;       ///< bytes left on the disk of `data`
+  std::chrono::seconds drain{10};                        ///< for running jobs, at a stop
   std::filesystem::path worker;                          ///< empty: beside fairwayd
+
   bool help = false;
   bool version = false;
+  bool print_config = false;
+
+  std::vector<std::string> origins;  ///< of each row of the table: "default", "--workers", "FILE:3"
+  std::vector<std::string> unknown_variables;  ///< FAIRWAY_… that mean nothing here
 };
 
-/// Reads the arguments after the program's name. Errors: usage.
-Result<Settings> parse_settings(std::span<const char* const> arguments);
+/// Reads flags, FAIRWAY_… variables and the file that --config or FAIRWAY_CONFIG names; what comes
+/// earlier in this list wins, and an empty variable is none. `arguments`: those after the program's
+/// name; `environment`: "NAME=value". Errors: usage (with the flag, variable or line of the
+/// culprit, also where another value wins over it), io (the file cannot be read).
+Result<Settings> parse_settings(std::span<const char* const> arguments,
+                                std::span<const std::string> environment = {});
+
+/// The settings in force as a file that --config takes, each below a comment on where it came from.
+std::string print_settings(const Settings& settings);
 
 /// What --help prints.
 std::string usage_text();

@@ -15,7 +15,7 @@ namespace {
 #define FAIRWAY_JOB_COLUMNS                                                                   \
   "id, state, revision, attempt, fence, created, started, finished, input_key, input_bytes, " \
   "input_sha256, input_format, parameters, problem, report, result_key, result_bytes, "       \
-  "result_sha256, result_format, input_files"
+  "result_sha256, result_format, input_files, trace_id"
 
 constexpr std::string_view kFind = "SELECT " FAIRWAY_JOB_COLUMNS " FROM job WHERE id = ?";
 constexpr std::string_view kListAll =
@@ -31,10 +31,15 @@ constexpr std::string_view kLeaseOver =
 #undef FAIRWAY_JOB_COLUMNS
 
 constexpr std::string_view kCountQueued = "SELECT count(*) FROM job WHERE state = 'queued'";
+constexpr std::string_view kCountStates = "SELECT state, count(*) FROM job GROUP BY state";
+constexpr std::string_view kOldestCreated =
+    "SELECT created FROM job WHERE state = 'queued' ORDER BY seq LIMIT 1";
+constexpr std::string_view kProbe =
+    "INSERT INTO probe (id, at) VALUES (1, ?) ON CONFLICT (id) DO UPDATE SET at = excluded.at";
 constexpr std::string_view kInsert =
     "INSERT INTO job (id, state, revision, attempt, fence, created, input_key, input_bytes, "
-    "input_sha256, input_format, parameters, input_files) "
-    "VALUES (?, 'queued', 1, 1, 0, ?, ?, ?, ?, ?, ?, ?)";
+    "input_sha256, input_format, parameters, input_files, trace_id) "
+    "VALUES (?, 'queued', 1, 1, 0, ?, ?, ?, ?, ?, ?, ?, ?)";
 constexpr std::string_view kMove =
     "UPDATE job SET state = ?, revision = revision + 1, attempt = ?, fence = ?, lease_owner = ?, "
     "lease_until = ?, started = ?, finished = ?, problem = ?, report = ?, result_key = ?, "
@@ -78,6 +83,7 @@ Job job_of(const Query& row) {
     job.result_format = format_of_name(row.text(18)).value_or(Format::glb);
   }
   job.input_files = static_cast<std::size_t>(row.integer(19));
+  job.trace_id = row.text(20);
   return job;
 }
 
@@ -117,7 +123,7 @@ Result<Job> SqliteJobStore::submit(const NewJob& job, std::size_t queue_limit) {
     insert.bind(job.id).bind(wall_clock()).bind(job.input.key);
     insert.bind(static_cast<std::int64_t>(job.input.bytes)).bind(job.input.sha256);
     insert.bind(name_of(job.input_format)).bind(job.parameters);
-    insert.bind(static_cast<std::int64_t>(job.input_files));
+    insert.bind(static_cast<std::int64_t>(job.input_files)).bind(job.trace_id);
     if (auto row = insert.step(); !row) return row.error();
   }
   auto stored = load(job.id);
@@ -129,6 +135,33 @@ Result<Job> SqliteJobStore::submit(const NewJob& job, std::size_t queue_limit) {
 Result<std::size_t> SqliteJobStore::queue_length() {
   const std::lock_guard lock(mutex_);
   return count_queued();
+}
+
+Result<JobCounts> SqliteJobStore::counts() {
+  const std::lock_guard lock(mutex_);
+  JobCounts counts;
+  for (const JobState state : kJobStates) counts.by_state[state] = 0;
+  Query states = database_.query(kCountStates);
+  for (;;) {
+    auto row = states.step();
+    if (!row) return row.error();
+    if (!*row) break;
+    const auto state = job_state_of_name(states.text(0));
+    if (state) counts.by_state[*state] = static_cast<std::size_t>(states.integer(1));
+  }
+  Query oldest = database_.query(kOldestCreated);
+  auto row = oldest.step();
+  if (!row) return row.error();
+  if (*row) counts.oldest_queued = oldest.integer(0);
+  return counts;
+}
+
+Result<void> SqliteJobStore::probe() {
+  const std::lock_guard lock(mutex_);
+  Query query = database_.query(kProbe);
+  query.bind(wall_clock());
+  if (auto done = query.step(); !done) return done.error();
+  return {};
 }
 
 Result<Job> SqliteJobStore::find(std::string_view id) {

@@ -25,6 +25,8 @@ class SqliteJobStore final : public JobStore {
 
   Result<Job> submit(const NewJob& job, std::size_t queue_limit) override;
   Result<std::size_t> queue_length() override;
+  Result<JobCounts> counts() override;
+  Result<void> probe() override;
   Result<Job> find(std::string_view id) override;
   Result<std::vector<Job>> list(const JobQuery& query) override;
   Result<std::optional<Claim>> claim(std::string_view owner,

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include "proto/messages/problem.h"
+#include "server/fairwayd/job_log.h"
+#include "server/fairwayd/stage_clock.h"
 
 namespace fairway {
 namespace {
@@ -35,9 +37,14 @@ Result<Job> insist(const Write& write) {
 
 }  // namespace
 
-Supervisor::Supervisor(JobStore& jobs, BlobStore& blobs, JobBoard& board, const Log& log,
-                       SupervisorOptions options)
-    : jobs_(jobs), blobs_(blobs), board_(board), log_(log), options_(std::move(options)) {}
+Supervisor::Supervisor(JobStore& jobs, BlobStore& blobs, JobBoard& board, ServiceMetrics& metrics,
+                       const Log& log, SupervisorOptions options)
+    : jobs_(jobs),
+      blobs_(blobs),
+      board_(board),
+      metrics_(metrics),
+      log_(log),
+      options_(std::move(options)) {}
 
 Supervisor::~Supervisor() {
   stop();
@@ -49,10 +56,34 @@ Result<void> Supervisor::start() {
     if (!flag) return flag.error();
     slots_.push_back(std::make_unique<Slot>(std::move(*flag)));
   }
+  {
+    const std::lock_guard lock(mutex_);
+    serving_ = slots_.size();
+  }
   for (auto& slot : slots_) {
     slot->thread = std::jthread([this, &slot = *slot](std::stop_token stop) { serve(slot, stop); });
   }
   return {};
+}
+
+void Supervisor::drain(const EventFlag& idle) {
+  {
+    const std::lock_guard lock(mutex_);
+    idle_ = &idle;
+    if (serving_ == 0) idle.raise();
+  }
+  work_.notify_all();
+}
+
+bool Supervisor::is_draining() {
+  const std::lock_guard lock(mutex_);
+  return idle_ != nullptr;
+}
+
+/// A slot has ended.
+void Supervisor::leave() {
+  const std::lock_guard lock(mutex_);
+  if (--serving_ == 0 && idle_ != nullptr) idle_->raise();
 }
 
 void Supervisor::stop() {
@@ -112,13 +143,13 @@ void Supervisor::serve_inspection(Slot& slot, const std::stop_token& stop) {
     task = std::move(inspections_.front());
     inspections_.pop_front();
   }
-  run_inspection(*task, {options_.worker, options_.limits, slot.interrupt, log_}, stop);
+  run_inspection(*task, {options_.worker, options_.limits, slot.interrupt, metrics_, log_}, stop);
 }
 
 void Supervisor::serve(Slot& slot, std::stop_token stop) {
-  while (!stop.stop_requested()) {
+  while (!stop.stop_requested() && !is_draining()) {
     serve_inspection(slot, stop);
-    if (stop.stop_requested()) break;
+    if (stop.stop_requested() || is_draining()) break;
     auto claim = jobs_.claim(options_.owner, options_.lease);
     if (!claim) {
       log_.write(LogLevel::error, "claim_failed", {{"reason", claim.error().message}});
@@ -126,11 +157,17 @@ void Supervisor::serve(Slot& slot, std::stop_token stop) {
     } else if (*claim) {
       run(slot, **claim, stop);
     } else {
-      std::unique_lock lock(mutex_);
-      work_.wait_for(lock, stop, kLookEvery, [&] { return wakeups_ > 0 || !inspections_.empty(); });
-      if (wakeups_ > 0) --wakeups_;
+      wait_for_work(stop);
     }
   }
+  leave();
+}
+
+void Supervisor::wait_for_work(std::stop_token stop) {
+  std::unique_lock lock(mutex_);
+  work_.wait_for(lock, stop, kLookEvery,
+                 [&] { return wakeups_ > 0 || !inspections_.empty() || idle_ != nullptr; });
+  if (wakeups_ > 0) --wakeups_;
 }
 
 void Supervisor::run(Slot& slot, const Claim& claim, std::stop_token stop) {
@@ -149,20 +186,18 @@ void Supervisor::run(Slot& slot, const Claim& claim, std::stop_token stop) {
 
 void Supervisor::execute(Slot& slot, const Claim& claim, std::stop_token stop) {
   board_.announce();
-  log_.write(
-      LogLevel::info, "job_started",
-      {{"job", claim.job.id}, {"attempt", claim.job.attempt}, {"bytes", claim.job.input.bytes}});
+  const Log log = about(log_, claim.job);
+  log.write(LogLevel::info, "job_started",
+            {{"attempt", claim.job.attempt}, {"bytes", claim.job.input.bytes}});
   auto output = blobs_.create();
   if (!output) {
-    log_.write(LogLevel::error, "spool_failed",
-               {{"job", claim.job.id}, {"reason", output.error().message}});
+    log.write(LogLevel::error, "spool_failed", {{"reason", output.error().message}});
     hand_back(claim);
     pause(kLookEvery, stop);
   } else if (auto end = run_process(slot, claim, **output, stop); end) {
     settle(claim, std::move(*end), **output, stop);
   } else if (may_pass(end.error().code)) {
-    log_.write(LogLevel::error, "worker_not_started",
-               {{"job", claim.job.id}, {"reason", end.error().message}});
+    log.write(LogLevel::error, "worker_not_started", {{"reason", end.error().message}});
     hand_back(claim);
     pause(kLookEvery, stop);
   } else {
@@ -177,24 +212,41 @@ Result<WorkerEnd> Supervisor::run_process(Slot& slot, const Claim& claim, BlobDr
   auto parameters = parse_parameters(claim.job.parameters);
   if (!parameters) return parameters.error();
 
-  const WorkerTask task{
-      options_.worker, input->get(), output.descriptor(),
-      WorkerOrder{claim.job.input_format, std::move(*parameters), claim.job.input_files},
-      options_.limits};
-  auto next_beat = steady_clock::now() + options_.heartbeat;
-  int text_lines = 0;
-  const WorkerWatch watch{[&](const Progress& progress) { board_.post(claim.job.id, progress); },
-                          [&](std::string_view text) {
-                            if (++text_lines > kMaxTextLines) return;
-                            log_.write(LogLevel::warning, "worker_text",
-                                       {{"job", claim.job.id}, {"text", std::string(text)}});
-                          },
-                          [&] { return keep_going(slot, claim.lease, next_beat, stop); },
-                          slot.interrupt};
-  return run_worker(task, watch);
+  WorkerOrder order{claim.job.input_format, std::move(*parameters), claim.job.input_files};
+  order.trace = claim.job.trace_id;
+  return follow(slot, claim,
+                {options_.worker, input->get(), output.descriptor(), order, options_.limits}, stop);
 }
 
-bool Supervisor::keep_going(Slot& slot, const Lease& lease, steady_clock::time_point& next_beat,
+Result<WorkerEnd> Supervisor::follow(Slot& slot, const Claim& claim, const WorkerTask& task,
+                                     const std::stop_token& stop) {
+  const auto began = steady_clock::now();
+  auto next_beat = began + options_.heartbeat;
+  int text_lines = 0;
+  StageClock stages;
+  const WorkerWatch watch{
+      [&](const Progress& progress) {
+        stages.enter(progress.stage);
+        board_.post(claim.job.id, progress);
+      },
+      [&](std::string_view text) {
+        if (++text_lines > kMaxTextLines) return;
+        about(log_, claim.job)
+            .write(LogLevel::warning, "worker_text", {{"text", std::string(text)}});
+      },
+      [&] { return keep_going(slot, claim, next_beat, stop); }, slot.interrupt,
+      [&](const ExitStatus& status) { metrics_.worker_ended(status.peak_resident_bytes); }};
+  auto end = run_worker(task, watch);
+  if (end && std::holds_alternative<Finished>(*end)) {
+    const auto took =
+        std::chrono::duration_cast<std::chrono::microseconds>(steady_clock::now() - began);
+    metrics_.job_ran(took, stages.finish());
+    board_.keep_stages(claim.job.id, stages.finish());
+  }
+  return end;
+}
+
+bool Supervisor::keep_going(Slot& slot, const Claim& claim, steady_clock::time_point& next_beat,
                             const std::stop_token& stop) {
   slot.interrupt.lower();
   if (stop.stop_requested()) return false;
@@ -203,11 +255,11 @@ bool Supervisor::keep_going(Slot& slot, const Lease& lease, steady_clock::time_p
     if (slot.canceled) return false;
   }
   if (steady_clock::now() < next_beat) return true;
-  auto beat = jobs_.heartbeat(lease, options_.lease);
+  auto beat = jobs_.heartbeat(claim.lease, options_.lease);
   next_beat = steady_clock::now() + options_.heartbeat;
   if (beat) return true;
-  log_.write(LogLevel::warning, "heartbeat_failed",
-             {{"job", lease.job_id}, {"reason", beat.error().message}});
+  about(log_, claim.job)
+      .write(LogLevel::warning, "heartbeat_failed", {{"reason", beat.error().message}});
   // A store that does not answer is no reason to throw work away: the fencing token decides later.
   return beat.error().code != ErrorCode::conflict;
 }
@@ -218,7 +270,7 @@ void Supervisor::settle(const Claim& claim, WorkerEnd end, BlobDraft& output,
   if (const auto* failed = std::get_if<Failed>(&end)) return fail(claim, failed->error);
   if (const auto* death = std::get_if<WorkerDied>(&end)) return lose_worker(claim, *death);
   if (stop.stop_requested()) return hand_back(claim);
-  log_.write(LogLevel::info, "worker_stopped", {{"job", claim.job.id}});
+  about(log_, claim.job).write(LogLevel::info, "worker_stopped");
   board_.forget(claim.job.id);
 }
 
@@ -244,8 +296,9 @@ void Supervisor::fail(const Claim& claim, const Error& error) {
 }
 
 void Supervisor::lose_worker(const Claim& claim, const WorkerDied& death) {
-  log_.write(LogLevel::warning, "worker_died",
-             {{"job", claim.job.id}, {"attempt", claim.job.attempt}, {"how", death.how}});
+  about(log_, claim.job)
+      .write(LogLevel::warning, "worker_died",
+             {{"attempt", claim.job.attempt}, {"how", death.how}});
   conclude(claim, insist([&] { return jobs_.worker_died(claim.lease, death.cause); }));
 }
 
@@ -255,29 +308,34 @@ void Supervisor::hand_back(const Claim& claim) {
 
 void Supervisor::conclude(const Claim& claim, const Result<Job>& written) {
   board_.forget(claim.job.id);
+  const Log log = about(log_, claim.job);
   if (!written) {
-    log_.write(written.error().code == ErrorCode::conflict ? LogLevel::info : LogLevel::error,
-               "state_not_written", {{"job", claim.job.id}, {"reason", written.error().message}});
+    const bool late = written.error().code == ErrorCode::conflict;
+    log.write(late ? LogLevel::info : LogLevel::error, "state_not_written",
+              {{"reason", written.error().message}});
     return;
   }
   board_.announce();
+  const std::string_view problem =
+      written->problem ? problem_kind(written->problem->code).slug : "";
   if (is_final(written->state)) {
     if (auto removed = blobs_.remove(claim.job.input.key); !removed) {
-      log_.write(LogLevel::warning, "input_not_removed",
-                 {{"job", claim.job.id}, {"reason", removed.error().message}});
+      log.write(LogLevel::warning, "input_not_removed", {{"reason", removed.error().message}});
     }
+    metrics_.job_ended(
+        problem.empty() ? name_of(written->state) : problem,
+        milliseconds(written->finished.value_or(written->created) - written->created));
   }
-  log_.write(LogLevel::info, "job_state",
-             {{"job", claim.job.id},
-              {"state", name_of(written->state)},
-              {"attempt", written->attempt},
-              {"revision", written->revision},
-              {"problem", written->problem ? problem_kind(written->problem->code).slug : ""}});
+  log.write(LogLevel::info, "job_state",
+            {{"state", name_of(written->state)},
+             {"attempt", written->attempt},
+             {"revision", written->revision},
+             {"problem", problem}});
 }
 
 void Supervisor::pause(milliseconds time, std::stop_token stop) {
   std::unique_lock lock(mutex_);
-  work_.wait_for(lock, stop, time, [] { return false; });
+  work_.wait_for(lock, stop, time, [this] { return idle_ != nullptr; });
 }
 
 }  // namespace fairway

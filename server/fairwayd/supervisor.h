@@ -18,6 +18,7 @@
 #include "server/fairwayd/job_board.h"
 #include "server/fairwayd/job_store.h"
 #include "server/fairwayd/log.h"
+#include "server/fairwayd/service_metrics.h"
 #include "server/fairwayd/worker_run.h"
 #include "server/os/event_flag.h"
 
@@ -38,13 +39,17 @@ struct SupervisorOptions {
 class Supervisor {
  public:
   /// All references must outlive the supervisor.
-  Supervisor(JobStore& jobs, BlobStore& blobs, JobBoard& board, const Log& log,
-             SupervisorOptions options);
+  Supervisor(JobStore& jobs, BlobStore& blobs, JobBoard& board, ServiceMetrics& metrics,
+             const Log& log, SupervisorOptions options);
   /// As stop().
   ~Supervisor();
 
   /// Starts the slots. Errors: unavailable.
   Result<void> start();
+
+  /// Begins nothing new. What runs goes on; `idle` is raised once nothing does. It must outlive the
+  /// supervisor.
+  void drain(const EventFlag& idle);
 
   /// Kills the running workers, hands their jobs back to the queue, ends the slots. Idempotent.
   void stop();
@@ -76,12 +81,17 @@ class Supervisor {
   };
 
   void serve(Slot& slot, std::stop_token stop);
+  bool is_draining();
+  void leave();
+  void wait_for_work(std::stop_token stop);
   void serve_inspection(Slot& slot, const std::stop_token& stop);
   void run(Slot& slot, const Claim& claim, std::stop_token stop);
   void execute(Slot& slot, const Claim& claim, std::stop_token stop);
   Result<WorkerEnd> run_process(Slot& slot, const Claim& claim, BlobDraft& output,
                                 std::stop_token stop);
-  bool keep_going(Slot& slot, const Lease& lease, std::chrono::steady_clock::time_point& next_beat,
+  Result<WorkerEnd> follow(Slot& slot, const Claim& claim, const WorkerTask& task,
+                           const std::stop_token& stop);
+  bool keep_going(Slot& slot, const Claim& claim, std::chrono::steady_clock::time_point& next_beat,
                   const std::stop_token& stop);
   void settle(const Claim& claim, WorkerEnd end, BlobDraft& output, const std::stop_token& stop);
   void succeed(const Claim& claim, const Finished& finished, BlobDraft& output);
@@ -94,6 +104,7 @@ class Supervisor {
   JobStore& jobs_;
   BlobStore& blobs_;
   JobBoard& board_;
+  ServiceMetrics& metrics_;
   const Log& log_;
   const SupervisorOptions options_;
 
@@ -101,6 +112,8 @@ class Supervisor {
   std::condition_variable_any work_;
   std::size_t wakeups_ = 0;  ///< guarded by mutex_; one slot looks for work for each
   std::deque<std::shared_ptr<InspectionTask>> inspections_;  ///< guarded by mutex_; oldest first
+  std::size_t serving_ = 0;          ///< guarded by mutex_; slots that have not left
+  const EventFlag* idle_ = nullptr;  ///< guarded by mutex_; not null once draining
 
   std::vector<std::unique_ptr<Slot>> slots_;  ///< changed by start() and stop() only
 };

@@ -12,7 +12,6 @@
 #include <sys/socket.h>
 
 #include "proto/messages/problem.h"
-#include "server/os/child_process.h"
 #include "server/os/line_reader.h"
 
 namespace fairway {
@@ -100,13 +99,15 @@ WorkerEnd Conversation::follow(const WorkerOrder& order) {
     if (socket_open_) read_lines();
     if (auto stop = reason_to_stop()) {
       process_.kill(SIGKILL);
-      process_.wait();
+      watch_.on_exit(process_.wait());
       return *stop;
     }
     pollfd ended{process_.descriptor(), POLLIN, 0};
     if (::poll(&ended, 1, 0) != 1) continue;
     while (socket_open_) read_lines();
-    return end_of(process_.wait());
+    const ExitStatus status = process_.wait();
+    watch_.on_exit(status);
+    return end_of(status);
   }
 }
 

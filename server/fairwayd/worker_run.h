@@ -10,6 +10,7 @@
 
 #include "core/result.h"
 #include "proto/messages/worker_protocol.h"
+#include "server/os/child_process.h"
 #include "server/os/event_flag.h"
 
 namespace fairway {
@@ -38,6 +39,8 @@ struct WorkerWatch {
   /// Asked at least once a second, and whenever `interrupt` is raised: false kills the worker.
   std::function<bool()> keep_going;
   const EventFlag& interrupt;
+  /// The process was reaped.
+  std::function<void(const ExitStatus&)> on_exit = [](const ExitStatus&) {};
 };
 
 /// The process died, or broke the protocol: not the job's statement about itself.

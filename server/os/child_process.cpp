@@ -156,6 +156,7 @@ ExitStatus ChildProcess::wait() {
     status_.code = WEXITSTATUS(status);
   }
   status_.processor_time = milliseconds_of(used.ru_utime) + milliseconds_of(used.ru_stime);
+  status_.peak_resident_bytes = static_cast<std::uint64_t>(used.ru_maxrss) * 1024;
   return status_;
 }
 

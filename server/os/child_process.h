@@ -2,6 +2,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -19,6 +20,8 @@ struct ExitStatus {
   int code = 0;                                 ///< exit code, if `signal` is 0
   int signal = 0;                               ///< the signal that ended it, or 0
   std::chrono::milliseconds processor_time{0};  ///< user and system, of all its threads
+  /// Most memory it had resident; at least what its parent had when it was spawned (wait4).
+  std::uint64_t peak_resident_bytes = 0;
 };
 
 /// What to start: `descriptors` become 0, 1 and 2, and are all that the program gets.

@@ -12,6 +12,9 @@ inline constexpr std::size_t kRandomIdLength = 22;
 /// 128 bits from the kernel's generator, as 22 URL-safe characters (base64url without padding).
 std::string random_id();
 
+/// So many random bytes (at most 256) as lower-case hexadecimal digits.
+std::string random_hexadecimal(std::size_t bytes);
+
 /// True for text of the shape that random_id() makes. Anything else never reaches a path or a
 /// query.
 bool is_random_id(std::string_view text);

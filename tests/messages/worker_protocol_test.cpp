@@ -49,6 +49,13 @@ TEST_CASE("an order says where its input is only inspected") {
   CHECK_FALSE(parse_worker_order(line));
 }
 
+TEST_CASE("an order carries its trace") {
+  WorkerOrder order{Format::glb, *parse_parameters("{}")};
+  CHECK(parse_worker_order(without_newline(format_line(order)))->trace.empty());
+  order.trace = "0af7651916cd43dd8448eb211c80319c";
+  CHECK(parse_worker_order(without_newline(format_line(order)))->trace == order.trace);
+}
+
 TEST_CASE("events survive the wire") {
   const auto round_trip = [](const WorkerEvent& event) {
     Result<WorkerEvent> back = parse_worker_event(without_newline(format_line(event)));

@@ -45,9 +45,10 @@ class Fixture {
     REQUIRE((jobs && blobs));
     jobs_ = std::move(*jobs);
     blobs_ = std::move(*blobs);
-    supervisor_ = std::make_unique<Supervisor>(*jobs_, *blobs_, board_, log_, SupervisorOptions{});
+    supervisor_ =
+        std::make_unique<Supervisor>(*jobs_, *blobs_, board_, metrics_, log_, SupervisorOptions{});
     api_ =
-        std::make_unique<Api>(*jobs_, *blobs_, board_, *supervisor_, log_,
+        std::make_unique<Api>(*jobs_, *blobs_, board_, *supervisor_, metrics_, log_,
                               ApiOptions{std::uint64_t{1} << 20, queue_limit}, std::stop_token());
   }
 
@@ -68,6 +69,7 @@ class Fixture {
   UniqueFd null_{::open("/dev/null", O_WRONLY | O_CLOEXEC)};
   Log log_{null_.get()};
   JobBoard board_;
+  ServiceMetrics metrics_{"test"};
   std::unique_ptr<JobStore> jobs_;
   std::unique_ptr<BlobStore> blobs_;
   std::unique_ptr<Supervisor> supervisor_;

@@ -87,3 +87,14 @@ TEST_CASE("a program that is not there is an error, not a child") {
   REQUIRE_FALSE(child);
   CHECK(child.error().code == ErrorCode::io);
 }
+
+TEST_CASE("the largest memory of a child and of its own children comes back") {
+  const UniqueFd null = null_device();
+  auto small = shell("exit 0", null.get());
+  auto large = shell("head -c 60000000 /dev/zero | tail -c 60000000", null.get());
+  REQUIRE((small && large));
+  const std::uint64_t base = small->wait().peak_resident_bytes;
+  CHECK(base > 100'000);
+  CHECK(large->wait().peak_resident_bytes > 50'000'000);
+  CHECK(large->wait().peak_resident_bytes > base);
+}

@@ -26,10 +26,11 @@ class Fixture {
 
   void reopen() {
     store_.reset();
-    auto opened = SqliteJobStore::open(directory_.path() / "jobs.sqlite");
+    auto opened = SqliteJobStore::open(path());
     REQUIRE(opened);
     store_ = std::move(*opened);
   }
+  std::filesystem::path path() const { return directory_.path() / "jobs.sqlite"; }
   JobStore& store() { return *store_; }
 
   std::string submit() {
@@ -326,6 +327,51 @@ TEST_CASE("how many files an input has is kept") {
   CHECK(f.claim().job.input_files == 3);
 }
 
+TEST_CASE("the trace of a submit is kept with the job, also over a restart") {
+  Fixture f;
+  const std::string trace(32, 'a');
+  NewJob job{random_id(), {"in", 10, "aa"}, Format::glb, "{}"};
+  job.trace_id = trace;
+  REQUIRE(f.store().submit(job, kRoom)->trace_id == trace);
+  f.reopen();
+  CHECK(f.find(job.id).trace_id == trace);
+  CHECK(f.claim().job.trace_id == trace);
+  CHECK(f.find(f.submit()).trace_id.empty());
+}
+
+TEST_CASE("jobs are counted by state, and the oldest that waits is known") {
+  Fixture f;
+  const auto counts = [&] {
+    const auto counted = f.store().counts();
+    REQUIRE(counted);
+    return *counted;
+  };
+  CHECK(counts().by_state.size() == 6);
+  CHECK(counts().by_state.at(JobState::queued) == 0);
+  CHECK_FALSE(counts().oldest_queued);
+  const std::string first = f.submit();
+  const std::string second = f.submit();
+  f.submit();
+  CHECK(counts().by_state.at(JobState::queued) == 3);
+  CHECK(counts().oldest_queued == f.find(first).created);
+  f.claim();
+  CHECK(f.store().cancel(second));
+  CHECK(counts().by_state.at(JobState::running) == 1);
+  CHECK(counts().by_state.at(JobState::canceled) == 1);
+  CHECK(counts().by_state.at(JobState::queued) == 1);
+}
+
+TEST_CASE("a probe writes, as often as it is asked to, and fails where nothing can be written") {
+  Fixture f;
+  CHECK(f.store().probe());
+  CHECK(f.store().probe());
+  auto other = Database::open(f.path());
+  REQUIRE(other);
+  const auto lock = Transaction::begin(*other);
+  REQUIRE(lock);
+  CHECK(refusal(f.store().probe()) == ErrorCode::unavailable);
+}
+
 TEST_CASE("jobs of a fairwayd that knew one file per job are still done") {
   test::TemporaryDirectory directory;
   const auto path = directory.path() / "jobs.sqlite";
@@ -337,6 +383,7 @@ TEST_CASE("jobs of a fairwayd that knew one file per job are still done") {
     auto database = Database::open(path);
     REQUIRE(database);
     REQUIRE(database->execute("ALTER TABLE job DROP COLUMN input_files"));
+    REQUIRE(database->execute("ALTER TABLE job DROP COLUMN trace_id; DROP TABLE probe"));
     REQUIRE(database->execute("PRAGMA user_version = 1"));
   }
   auto store = SqliteJobStore::open(path);

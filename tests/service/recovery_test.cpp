@@ -94,7 +94,7 @@ TEST_CASE("a stopped server ends with 0 and hands its running job back") {
   const TemporaryDirectory directory;
   std::string path;
   {
-    ServiceProcess service(directory.path());
+    ServiceProcess service(directory.path(), {"--drain", "0"});
     path = submit(service.client(), noisy_torus(60), kSteps);
     wait_until_busy(service.client(), path);
     const ExitStatus status = service.stop();

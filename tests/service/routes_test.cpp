@@ -17,6 +17,8 @@ TEST_CASE("the paths of the API lead to their places") {
     return route->place;
   };
   CHECK(place("/livez") == Place::livez);
+  CHECK(place("/readyz") == Place::readyz);
+  CHECK(place("/metrics") == Place::metrics);
   CHECK(place("/v1/jobs") == Place::jobs);
   CHECK(place("/v1/denoise") == Place::denoise);
   CHECK(place("/v1/inspect") == Place::inspect);
@@ -60,4 +62,19 @@ TEST_CASE("a body is wanted where something is sent") {
   CHECK(takes_body(Place::denoise, "POST"));
   CHECK_FALSE(takes_body(Place::jobs, "GET"));
   CHECK_FALSE(takes_body(Place::job_cancel, "POST"));
+}
+
+TEST_CASE("health is open everywhere, metrics and the API where they belong") {
+  for (const Entrance entrance : {Entrance::only, Entrance::main, Entrance::admin}) {
+    CHECK(is_open(Place::livez, entrance));
+    CHECK(is_open(Place::readyz, entrance));
+    CHECK(is_open(Place::metrics, entrance) == (entrance != Entrance::main));
+    CHECK(is_open(Place::jobs, entrance) == (entrance != Entrance::admin));
+    CHECK(is_open(Place::denoise, entrance) == (entrance != Entrance::admin));
+  }
+}
+
+TEST_CASE("a place is named by its pattern") {
+  CHECK(pattern_of(route_of("/v1/jobs/" + random_id() + "/result")->place) ==
+        "/v1/jobs/{id}/result");
 }

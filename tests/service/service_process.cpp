@@ -1,5 +1,6 @@
 #include "tests/service/service_process.h"
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <fstream>
@@ -29,33 +30,44 @@ UniqueFd open_or_fail(const char* path, int flags) {
 }
 
 /// FAIRWAY_TEST_LOG=FILE collects what the services under test say.
-UniqueFd log_file() {
-  const char* path = std::getenv("FAIRWAY_TEST_LOG");
+UniqueFd log_file(const std::filesystem::path& chosen) {
+  const char* path = chosen.empty() ? std::getenv("FAIRWAY_TEST_LOG") : chosen.c_str();
   return open_or_fail(path != nullptr ? path : "/dev/null", O_WRONLY | O_CREAT | O_APPEND);
+}
+
+/// The port in the next line of what a starting service says.
+std::uint16_t announced_port(LineReader& lines, const std::string& announced) {
+  std::optional<std::string> line;
+  while (!(line = lines.next())) REQUIRE(lines.fill() == LineReader::Status::data);
+  REQUIRE(line->starts_with(announced));
+  return static_cast<std::uint16_t>(std::stoi(line->substr(announced.size())));
 }
 
 }  // namespace
 
 ServiceProcess::ServiceProcess(const std::filesystem::path& data,
-                               const std::vector<std::string>& options) {
+                               const std::vector<std::string>& options,
+                               const std::filesystem::path& log_path,
+                               const std::vector<std::string>& environment) {
   auto ends = socket_pair();
   REQUIRE(ends);
   const UniqueFd null = open_or_fail("/dev/null", O_RDONLY);
-  const UniqueFd log = log_file();
+  const UniqueFd log = log_file(log_path);
   std::vector<std::string> arguments = {"--data",      data.string(),     "--listen",
                                         "127.0.0.1:0", "--worker-memory", kWorkerMemory};
   arguments.insert(arguments.end(), options.begin(), options.end());
-  auto process = ChildProcess::spawn(
-      {FAIRWAY_BIN_DIR "/fairwayd", arguments, {}, {null.get(), ends->second.get(), log.get()}});
+  auto process = ChildProcess::spawn({FAIRWAY_BIN_DIR "/fairwayd",
+                                      arguments,
+                                      environment,
+                                      {null.get(), ends->second.get(), log.get()}});
   REQUIRE(process);
   process_.emplace(std::move(*process));
   ends->second.reset();
   LineReader lines(ends->first.get(), 1000);
-  std::optional<std::string> line;
-  while (!(line = lines.next())) REQUIRE(lines.fill() == LineReader::Status::data);
-  const std::string announced = "fairwayd: listening on http://127.0.0.1:";
-  REQUIRE(line->starts_with(announced));
-  port_ = static_cast<std::uint16_t>(std::stoi(line->substr(announced.size())));
+  port_ = announced_port(lines, "fairwayd: listening on http://127.0.0.1:");
+  if (std::find(options.begin(), options.end(), "--admin-listen") != options.end()) {
+    admin_port_ = announced_port(lines, "fairwayd: administration on http://127.0.0.1:");
+  }
 }
 
 void ServiceProcess::kill() {

@@ -42,7 +42,8 @@ class Fixture {
     const WorkerTask task{program, input->get(), output->get(), {}, limits};
     const WorkerWatch watch{[&](const Progress& progress) { progresses.push_back(progress); },
                             [&](std::string_view text) { texts.emplace_back(text); },
-                            [&] { return ++asked <= patience; }, *interrupt};
+                            [&] { return ++asked <= patience; }, *interrupt,
+                            [&](const ExitStatus& status) { exits.push_back(status); }};
     return run_worker(task, watch);
   }
 
@@ -51,6 +52,7 @@ class Fixture {
   int asked = 0;
   std::vector<Progress> progresses;
   std::vector<std::string> texts;
+  std::vector<ExitStatus> exits;
 
  private:
   test::TemporaryDirectory directory_;
@@ -159,4 +161,14 @@ TEST_CASE("a worker that never reads and closes its end is followed to its exit"
   const auto end = f.run("exec 2>&-; sleep 0.2; exit 5");
   REQUIRE(std::holds_alternative<WorkerDied>(end));
   CHECK(std::get<WorkerDied>(end).how == "exit code 5");
+}
+
+TEST_CASE("every worker's exit is told once, with its largest memory") {
+  for (const char* script : {"exit 3", "kill -9 $$", "exec sleep 60"}) {
+    Fixture f;
+    f.patience = 1;
+    f.run(script);
+    REQUIRE(f.exits.size() == 1);
+    CHECK(f.exits.front().peak_resident_bytes > 100'000);
+  }
 }

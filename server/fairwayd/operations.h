@@ -1,0 +1,43 @@
+#pragma once
+
+#include "server/fairwayd/blob_store.h"
+#include "server/fairwayd/http_engine.h"
+#include "server/fairwayd/job_store.h"
+#include "server/fairwayd/log.h"
+#include "server/fairwayd/readiness.h"
+#include "server/fairwayd/routes.h"
+#include "server/fairwayd/service_metrics.h"
+
+namespace fairway {
+
+/// What stands between a listener and the API: answers what those who run the service ask
+/// (/livez, /readyz, /metrics), and counts and logs every answer.
+class Operations final : public HttpApplication {
+ public:
+  struct Parts {
+    HttpApplication& api;
+    JobStore& jobs;
+    BlobStore& blobs;
+    Readiness& readiness;
+    ServiceMetrics& metrics;
+    const Log& log;
+  };
+
+  /// All parts must outlive it.
+  Operations(const Parts& parts, Entrance entrance) : parts_(parts), entrance_(entrance) {}
+
+  bool wants_body(const HttpRequest& request) const override;
+  HttpResponse answer(const HttpRequest& request, BodySource& body) override;
+  void answered(const HttpExchange& exchange) override;
+  void connections_changed(int by) override;
+
+ private:
+  HttpResponse choose(const HttpRequest& request, BodySource& body);
+  HttpResponse show_readiness(const HttpRequest& request);
+  HttpResponse show_metrics();
+
+  const Parts parts_;
+  const Entrance entrance_;
+};
+
+}  // namespace fairway

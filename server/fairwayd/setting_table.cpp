@@ -1,0 +1,138 @@
+#include "server/fairwayd/setting_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+
+#include <fmt/format.h>
+
+namespace fairway {
+namespace {
+
+constexpr std::uint64_t kAnyBytes = std::uint64_t{1} << 48;
+constexpr std::uint64_t kDay = 86'400;
+
+const std::array kRows = {
+    SettingRow{"data", "DIR", "Where jobs and meshes are kept; made where absent", &Settings::data},
+    SettingRow{"listen", "HOST:PORT", "Address of the HTTP API; port 0 = any free one",
+               &Settings::listen},
+    SettingRow{"admin-listen", "HOST:PORT",
+               "A second address, for /metrics and administration; then they are only there",
+               &Settings::admin_listen},
+    SettingRow{"workers", "N", "Jobs that run at a time", &Settings::workers, 1, 1024},
+    SettingRow{"queue", "N", "Jobs that may wait; more are answered 429", &Settings::queue, 1,
+               1'000'000},
+    SettingRow{"max-body", "BYTES", "Largest mesh", &Settings::max_body, 1, kAnyBytes},
+    SettingRow{"deadline", "SECONDS", "Longest run of one job", &Settings::deadline, 1, kDay},
+    SettingRow{"worker-memory", "BYTES", "Address space of one job; 0 = any",
+               &Settings::worker_memory, 0, kAnyBytes},
+    SettingRow{"min-free", "BYTES",
+               "Disk space to leave below --data; with less, uploads are answered 507",
+               &Settings::min_free, 0, kAnyBytes},
+    SettingRow{"drain", "SECONDS", "How long running jobs may take to end when the service stops",
+               &Settings::drain, 0, kDay},
+    SettingRow{"worker", "PATH", "The fairway program; default: beside fairwayd",
+               &Settings::worker},
+};
+
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;
+
+Error usage(std::string sentence) {
+  return {ErrorCode::usage, std::move(sentence)};
+}
+
+Result<std::uint64_t> number_in(const SettingRow& row, std::string_view text) {
+  std::uint64_t number = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, status] = std::from_chars(text.data(), end, number);
+  if (status == std::errc() && stop == end && number >= row.low && number <= row.high) {
+    return number;
+  }
+  return usage(
+      fmt::format("takes a whole number from {} to {}, not \"{}\".", row.low, row.high, text));
+}
+
+Result<ListenAddress> address_in(std::string_view text) {
+  auto address = parse_listen_address(text);
+  if (address) return address;
+  return usage(fmt::format("takes HOST:PORT, such as 127.0.0.1:8080, not \"{}\".", text));
+}
+
+/// Puts a value where it belongs, or says why there is none.
+template <class Value, class Target>
+Result<void> put(Result<Value> value, Target& target) {
+  if (!value) return value.error();
+  target = Target(*std::move(value));
+  return {};
+}
+
+}  // namespace
+
+std::span<const SettingRow> setting_rows() {
+  return kRows;
+}
+
+const SettingRow* find_setting(std::string_view name) {
+  const auto* row = std::find_if(kRows.begin(), kRows.end(),
+                                 [name](const SettingRow& each) { return each.name == name; });
+  return row == kRows.end() ? nullptr : row;
+}
+
+std::string flag_of(const SettingRow& row) {
+  return "--" + std::string(row.name);
+}
+
+std::string variable_of(const SettingRow& row) {
+  std::string name = "FAIRWAY_";
+  for (const char c : row.name) {
+    name += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  return name;
+}
+
+Result<void> assign(Settings& settings, const SettingRow& row, std::string_view text) {
+  // A line end inside a value could forge a line of what --print-config prints.
+  if (std::any_of(text.begin(), text.end(),
+                  [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; })) {
+    return usage("takes no control characters.");
+  }
+  return std::visit(
+      Overloaded{
+          [&](std::uint64_t Settings::*to) { return put(number_in(row, text), settings.*to); },
+          [&](std::chrono::seconds Settings::*to) {
+            return put(number_in(row, text), settings.*to);
+          },
+          [&](std::filesystem::path Settings::*to) {
+            settings.*to = text;
+            return Result<void>();
+          },
+          [&](ListenAddress Settings::*to) { return put(address_in(text), settings.*to); },
+          [&](std::optional<ListenAddress> Settings::*to) {
+            if (!text.empty()) return put(address_in(text), settings.*to);
+            (settings.*to).reset();
+            return Result<void>();
+          }},
+      row.target);
+}
+
+std::string text_of(const Settings& settings, const SettingRow& row) {
+  return std::visit(
+      Overloaded{[&](std::uint64_t Settings::*from) { return fmt::to_string(settings.*from); },
+                 [&](std::chrono::seconds Settings::*from) {
+                   return fmt::to_string((settings.*from).count());
+                 },
+                 [&](std::filesystem::path Settings::*from) { return (settings.*from).string(); },
+                 [&](ListenAddress Settings::*from) { return to_string(settings.*from); },
+                 [&](std::optional<ListenAddress> Settings::*from) {
+                   return settings.*from ? to_string(*(settings.*from)) : std::string();
+                 }},
+      row.target);
+}
+
+}  // namespace fairway
