@@ -214,6 +214,11 @@ std::optional<DracoStream> encode(const draco::Mesh& mesh, const DracoSource& so
     const auto id = static_cast<std::int32_t>(i);
     if (part.octahedral_bits > 0) encoder.SetAttributeQuantization(id, part.octahedral_bits);
     if (part.grid) set_grid(*part.grid, id, encoder);
+    // Differences of integers that are 2³¹ apart are written, and refused by every decoder.
+    if (is_wide_integer(mesh.attribute(id)->data_type()) &&
+        !encoder.SetAttributePredictionScheme(id, draco::PREDICTION_NONE).ok()) {
+      return std::nullopt;
+    }
   }
   draco::EncoderBuffer buffer;
   if (!encoder.EncodeToBuffer(&buffer).ok()) return std::nullopt;

@@ -1,5 +1,6 @@
 // Draco on the way out: errors stay below what is stated, and what was there stays.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -103,6 +104,30 @@ TEST_CASE("a Draco mesh with several positions is written in whichever order, al
     REQUIRE(mesh);
     CHECK(mesh->attributes().size() == 3);
     CHECK(mesh->triangles().size() == source.triangles.size());
+  }
+}
+
+TEST_CASE("integers of a Draco file that lie 2^32 apart are kept") {
+  DracoSampleOptions options;
+  options.integers = true;
+  const Bytes file = draco_cube(options);
+  const auto document = decoded(file, Format::drc);
+  std::vector<SurfaceResult> results(1);
+  results[0].attributes.push_back({"_FEATURE", 1, std::vector<float>(8, 1.0F)});
+  const auto before = DracoMesh::decode(file);
+  REQUIRE(before);
+  for (const bool keep_order : {true, false}) {
+    Encoding encoding;
+    encoding.draco.keep_order = keep_order;
+    const auto out = document->write(results, Format::drc, encoding);
+    REQUIRE(out);
+    const auto after = DracoMesh::decode(out->bytes.joined());
+    REQUIRE(after);
+    auto expected = *before->values(before->attributes()[1]);
+    auto found = *after->values(after->attributes()[1]);
+    std::sort(expected.begin(), expected.end());
+    std::sort(found.begin(), found.end());
+    CHECK(found == expected);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "tests/formats/draco_samples.h"
 
 #include <cmath>
+#include <cstdint>
 
 #include <catch2/catch.hpp>
 #include <draco/compression/encode.h>
@@ -60,6 +61,14 @@ Bytes draco_cube(const DracoSampleOptions& options) {
     add_attribute(mesh, draco::GeometryAttribute::COLOR, draco::DT_UINT8, true, colors);
   }
   draco::Encoder encoder;
+  if (options.integers) {
+    std::vector<std::array<std::int32_t, 1>> numbers;
+    for (std::int32_t i = 0; i < 8; ++i)
+      numbers.push_back({i % 2 == 0 ? INT32_MAX - i : INT32_MIN});
+    add_attribute(mesh, draco::GeometryAttribute::GENERIC, draco::DT_INT32, false, numbers);
+    encoder.SetAttributePredictionScheme(draco::GeometryAttribute::GENERIC, draco::PREDICTION_NONE);
+    encoder.options().SetGlobalBool("use_built_in_attribute_compression", false);
+  }
   encoder.SetEncodingMethod(options.edgebreaker ? draco::MESH_EDGEBREAKER_ENCODING
                                                 : draco::MESH_SEQUENTIAL_ENCODING);
   encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, 14);

@@ -10,6 +10,7 @@ struct DracoSampleOptions {
   bool normals = false;
   bool texture_coordinates = false;
   bool colors = false;
+  bool integers = false;  ///< generic, 32 bits, from one end of their range to the other
 };
 
 /// A cube compressed by Draco's own encoder: 8 points, 12 faces. Unique ids: POSITION 0, then the
