@@ -175,7 +175,7 @@ std::string moved_defect(const Document& document, std::span<const SurfaceResult
   if (!out) return writing_defect(out.error());
   for (const Surface& surface : document.surfaces()) {
     // Single precision cannot hold it, so the reader may find that it collapsed, or not.
-    if (nearly_collapses(surface.mesh.positions)) return {};
+    if (nearly_collapses(surface.mesh)) return {};
   }
   const Likeness likeness = likeness_of(document, conversion);
   const bool reordered = likeness == Likeness::counts && !conversion.encoding.draco.keep_order;

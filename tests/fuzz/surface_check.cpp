@@ -85,8 +85,13 @@ double extent_of(std::span<const Vec3> positions) {
   return (box.high - box.low).norm();
 }
 
-bool nearly_collapses(std::span<const Vec3> positions) {
+bool nearly_collapses(const IndexedMesh& mesh) {
   constexpr double kSteps = 100.0;
+  // Of what triangles use: not every format has a place for the rest.
+  std::vector<Vec3> positions;
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const Index v : triangle) positions.push_back(mesh.positions[v]);
+  }
   // Below the normal floats a step is no longer relative.
   const double step = std::max(std::ldexp(farthest_of(positions), -23), 1e-44);
   return extent_of(positions) < kSteps * step;

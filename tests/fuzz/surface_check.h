@@ -14,7 +14,7 @@ double extent_of(std::span<const Vec3> positions);
 
 /// True where fewer than a hundred steps of single precision span the extent, at its distance from
 /// the origin: rounding alone may bring such a mesh to the reader's limit.
-bool nearly_collapses(std::span<const Vec3> positions);
+bool nearly_collapses(const IndexedMesh& mesh);
 
 /// What of a surface contradicts itself; "" for what a reader may hand on.
 std::string surface_defect(const Surface& surface);
