@@ -32,10 +32,16 @@ enum class ErrorCode : std::uint8_t {
   conflict,
   queue_full,
   storage_full,
-  unavailable,  ///< the service cannot take work now
-  usage,        ///< command line not understood
-  io,           ///< a file could not be read or written
-  internal,     ///< a defect of fairway
+  unavailable,            ///< the service cannot take work now
+  usage,                  ///< command line not understood
+  io,                     ///< a file could not be read or written
+  not_acceptable,         ///< the client excludes the only form that there is
+  precondition_failed,    ///< If-Match names another version
+  range_not_satisfiable,  ///< Range lies outside, or asks for too much at once
+  uri_too_long,           ///< request line above its limit
+  headers_too_large,      ///< request head above a limit
+  request_timeout,        ///< the request came too slowly
+  internal,               ///< a defect of fairway
 };
 
 /// An expected failure: what went wrong in one sentence that names the remedy, and, for documents,

@@ -37,6 +37,12 @@ constexpr std::array kKinds = {
     ProblemKind{unavailable, "unavailable", 503, 39, "Unavailable"},
     ProblemKind{usage, "usage", 400, 2, "Wrong usage"},
     ProblemKind{io, "io", 500, 40, "A file could not be read or written"},
+    ProblemKind{not_acceptable, "not_acceptable", 406, 50, "Not acceptable"},
+    ProblemKind{precondition_failed, "precondition_failed", 412, 51, "Precondition failed"},
+    ProblemKind{range_not_satisfiable, "range_not_satisfiable", 416, 52, "Range not satisfiable"},
+    ProblemKind{uri_too_long, "uri_too_long", 414, 53, "Address too long"},
+    ProblemKind{headers_too_large, "headers_too_large", 431, 54, "Headers too large"},
+    ProblemKind{request_timeout, "request_timeout", 408, 55, "Request timeout"},
     ProblemKind{internal, "internal", 500, 41, "Internal error"},
 };
 

@@ -65,9 +65,11 @@ HttpResponse Api::answer_place(const Route& route, const HttpRequest& request, B
     case Place::jobs:
       return request.method == "POST" ? submit_job(request, body) : list_jobs(request);
     case Place::job:
-      return request.method == "DELETE" ? delete_job(route.id) : show_job(route.id);
+      return request.method == "DELETE" ? delete_job(route.id) : show_job(request, route.id);
     case Place::job_result:
-      return show_result(route.id);
+      return show_result(request, route.id);
+    case Place::job_events:
+      return job_events(request, route.id);
     case Place::job_cancel:
       return cancel_job(route.id);
     case Place::denoise:

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -17,8 +19,12 @@
 #include "server/fairwayd/routes.h"
 #include "server/fairwayd/service_metrics.h"
 #include "server/fairwayd/supervisor.h"
+#include "server/fairwayd/watch_limit.h"
 
 namespace fairway {
+
+/// How many requests may follow jobs at once; half of the threads that answer.
+inline constexpr std::size_t kMaxWatches = 256;
 
 struct ApiOptions {
   std::uint64_t max_mesh_bytes = std::uint64_t{512} << 20;
@@ -43,8 +49,9 @@ class Api final : public HttpApplication {
   HttpResponse denoise(const HttpRequest& request, BodySource& body);
   HttpResponse inspect(const HttpRequest& request, BodySource& body);
   HttpResponse list_jobs(const HttpRequest& request);
-  HttpResponse show_job(const std::string& id);
-  HttpResponse show_result(const std::string& id);
+  HttpResponse show_job(const HttpRequest& request, const std::string& id);
+  HttpResponse show_result(const HttpRequest& request, const std::string& id);
+  HttpResponse job_events(const HttpRequest& request, const std::string& id);
   HttpResponse cancel_job(const std::string& id);
   HttpResponse delete_job(const std::string& id);
 
@@ -53,8 +60,11 @@ class Api final : public HttpApplication {
   Result<std::shared_ptr<InspectionTask>> line_up(const HttpRequest& request, BodySource& body);
   Result<Job> submit(const HttpRequest& request, BodySource& body);
   Result<Job> cancel(const std::string& id);
-  HttpResponse wait_for_result(const Job& submitted, const HttpRequest& request);
-  HttpResponse result_of(const Job& job);
+  HttpResponse changed(const Job& job, const HttpRequest& request) const;
+  HttpResponse await_change(const HttpRequest& request, const Job& known);
+  HttpResponse wait_for_result(const Job& submitted, const HttpRequest& request,
+                               std::optional<std::chrono::seconds> time);
+  HttpResponse result_of(const Job& job, const HttpRequest& request);
   HttpResponse refuse(const Error& error) const;
   HttpResponse refuse_upload(const Error& error) const;
   Json document_of(const Job& job) const;
@@ -68,6 +78,7 @@ class Api final : public HttpApplication {
   const Log& log_;
   const ApiOptions options_;
   const std::stop_token stop_;
+  WatchLimit watches_{kMaxWatches};
 };
 
 }  // namespace fairway

@@ -8,15 +8,10 @@
 
 #include "server/fairwayd/api.h"
 #include "server/fairwayd/inspection_task.h"
+#include "server/fairwayd/job_wait.h"
 #include "server/fairwayd/upload.h"
 
 namespace fairway {
-namespace {
-
-/// How often a waiting request looks whether its client is still there.
-constexpr std::chrono::milliseconds kLookForClient{200};
-
-}  // namespace
 
 /// The queue is asked before the upload is read, and again when there is something to queue.
 Result<std::shared_ptr<InspectionTask>> Api::line_up(const HttpRequest& request, BodySource& body) {

@@ -9,6 +9,7 @@
 #include "proto/messages/problem.h"
 #include "server/fairwayd/api.h"
 #include "server/fairwayd/job_log.h"
+#include "server/fairwayd/job_version.h"
 
 namespace fairway {
 namespace {
@@ -43,11 +44,6 @@ HttpResponse Api::list_jobs(const HttpRequest& request) {
   Json documents = Json::array();
   for (const Job& job : *jobs) documents.push_back(document_of(job));
   return json_response(Json{{"jobs", std::move(documents)}});
-}
-
-HttpResponse Api::show_job(const std::string& id) {
-  const auto job = jobs_.find(id);
-  return job ? job_response(*job, 200) : refuse(job.error());
 }
 
 HttpResponse Api::cancel_job(const std::string& id) {
@@ -112,6 +108,7 @@ Json Api::document_of(const Job& job) const {
 
 HttpResponse Api::job_response(const Job& job, int status) const {
   HttpResponse response = json_response(document_of(job), status);
+  add_version(response, job);
   if (status == 202) response.headers.emplace_back("Location", "/v1/jobs/" + job.id);
   return response;
 }

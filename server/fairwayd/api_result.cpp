@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include "server/fairwayd/api.h"
+#include "server/fairwayd/file_answer.h"
+#include "server/fairwayd/http_accept.h"
+#include "server/fairwayd/result_format.h"
 
 namespace fairway {
 namespace {
@@ -23,12 +26,12 @@ std::string server_timing(const Job& job, const StageTimes& stages) {
 
 }  // namespace
 
-HttpResponse Api::show_result(const std::string& id) {
+HttpResponse Api::show_result(const HttpRequest& request, const std::string& id) {
   const auto job = jobs_.find(id);
-  return job ? result_of(*job) : refuse(job.error());
+  return job ? result_of(*job, request) : refuse(job.error());
 }
 
-HttpResponse Api::result_of(const Job& job) {
+HttpResponse Api::result_of(const Job& job, const HttpRequest& request) {
   if (job.state == JobState::failed) {
     return problem_response(
         job.problem.value_or(Error{ErrorCode::internal, "The job failed without a reason."}));
@@ -45,15 +48,13 @@ HttpResponse Api::result_of(const Job& job) {
     response.headers.emplace_back("Retry-After", "1");
     return response;
   }
+  const std::string media_type(media_type_of(job.result_format));
+  if (accept_weight(request, media_type) == 0) return refuse(not_acceptable(job.result_format));
   auto file = blobs_.open(job.result->key);
   if (!file) return refuse(file.error());
-  HttpResponse response;
-  response.content_type = media_type_of(job.result_format);
-  response.file = FileBody{std::move(*file), job.result->bytes};
-  response.headers.emplace_back("ETag", '"' + job.result->sha256 + '"');
-  response.headers.emplace_back(
-      "Content-Disposition",
-      fmt::format("attachment; filename=\"{}.{}\"", job.id, name_of(job.result_format)));
+  HttpResponse response = file_answer(request, std::move(*file),
+                                      {job.result->bytes, job.result->sha256, media_type,
+                                       fmt::format("{}.{}", job.id, name_of(job.result_format))});
   response.headers.emplace_back("Server-Timing", server_timing(job, board_.stages(job.id)));
   return response;
 }

@@ -1,20 +1,28 @@
 // From an upload to a queued job, and the synchronous way to its result.
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "server/fairwayd/api.h"
+#include "server/fairwayd/http_prefer.h"
 #include "server/fairwayd/job_log.h"
+#include "server/fairwayd/job_wait.h"
+#include "server/fairwayd/result_format.h"
 #include "server/fairwayd/upload.h"
 #include "server/os/random_id.h"
 
 namespace fairway {
 namespace {
 
-/// How often a waiting request looks whether its client is still there.
-constexpr std::chrono::milliseconds kLookForClient{200};
+/// Longer than any job: a wait without an end.
+constexpr std::chrono::hours kForever{24 * 365};
+
+bool is_over(const Job& job) {
+  return is_final(job.state);
+}
 
 }  // namespace
 
@@ -25,7 +33,15 @@ HttpResponse Api::submit_job(const HttpRequest& request, BodySource& body) {
 
 HttpResponse Api::denoise(const HttpRequest& request, BodySource& body) {
   const auto job = submit(request, body);
-  return job ? wait_for_result(*job, request) : refuse_upload(job.error());
+  if (!job) return refuse_upload(job.error());
+  const Preferences wanted = preferences_of(request);
+  const bool at_once = wanted.respond_async && !wanted.wait;
+  HttpResponse response =
+      at_once ? job_response(*job, 202) : wait_for_result(*job, request, wanted.wait);
+  if (response.status != 202) response.headers.emplace_back("Location", "/v1/jobs/" + job->id);
+  const std::string applied = applied_text(wanted);
+  if (!applied.empty()) response.headers.emplace_back("Preference-Applied", applied);
+  return response;
 }
 
 /// Whether an upload has a place to be stored in, and one in the queue.
@@ -58,6 +74,7 @@ Result<Job> Api::submit(const HttpRequest& request, BodySource& body) {
   if (auto room = check_room(request); !room) return room.error();
   auto upload = receive_upload(request, body, blobs_, options_.max_mesh_bytes);
   if (!upload) return upload.error();
+  if (auto met = heed_accept(request, *upload); !met) return met.error();
   const std::string id = random_id();
   auto input = upload->mesh->commit("in-" + id);
   if (!input) return input.error();
@@ -78,32 +95,32 @@ Result<Job> Api::submit(const HttpRequest& request, BodySource& body) {
   return stored;
 }
 
-HttpResponse Api::wait_for_result(const Job& submitted, const HttpRequest& request) {
-  const std::string location = "/v1/jobs/" + submitted.id;
-  while (true) {
-    const std::uint64_t turn = board_.turn();
-    const auto job = jobs_.find(submitted.id);
-    HttpResponse response;
-    if (!job) {
-      response = refuse(job.error());
-    } else if (is_final(job->state)) {
-      response = result_of(*job);
-    } else if (!request.client_is_there()) {
+/// A client that asks for an answer in time gets the job document when that is over, and the job
+/// goes on. One that hangs up while it waits for the mesh has no use for the job.
+HttpResponse Api::wait_for_result(const Job& submitted, const HttpRequest& request,
+                                  std::optional<std::chrono::seconds> time) {
+  const auto waited =
+      wait_for_job({jobs_, board_, stop_, request.client_is_there}, submitted.id,
+                   std::chrono::steady_clock::now() + time.value_or(kForever), is_over);
+  if (!waited) return refuse(waited.error());
+  switch (waited->end) {
+    case WaitEnd::reached:
+      return result_of(waited->job, request);
+    case WaitEnd::time_up:
+      break;
+    case WaitEnd::client_gone: {
       // Where the cancel cannot be written the job runs to its end, as one without a waiting
       // client.
       [[maybe_unused]] const auto canceled = cancel(submitted.id);
-      response = problem_response({ErrorCode::canceled, "The client hung up."});
+      HttpResponse response = problem_response({ErrorCode::canceled, "The client hung up."});
       response.close = true;
-    } else if (stop_.stop_requested()) {
-      response = problem_response(
-          {ErrorCode::unavailable, "The server is stopping; the job goes on when it is back."});
-    } else {
-      board_.wait(turn, kLookForClient, stop_);
-      continue;
+      return response;
     }
-    response.headers.emplace_back("Location", location);
-    return response;
+    case WaitEnd::stopping:
+      return problem_response(
+          {ErrorCode::unavailable, "The server is stopping; the job goes on when it is back."});
   }
+  return job_response(waited->job, 202);
 }
 
 }  // namespace fairway

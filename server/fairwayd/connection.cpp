@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstring>
 
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -26,6 +27,15 @@ Error bad(std::string message) {
 
 Error too_large() {
   return {ErrorCode::too_large, "The body is larger than this server takes: send a smaller one."};
+}
+
+/// `line_end`: of the request line, as found.
+Error endless_head(std::size_t line_end) {
+  if (line_end == std::string::npos) {
+    return {ErrorCode::uri_too_long, "The request line does not end: send a shorter one."};
+  }
+  return {ErrorCode::headers_too_large,
+          fmt::format("The request head is longer than {} bytes.", kMaxHeadBytes)};
 }
 
 }  // namespace
@@ -49,7 +59,9 @@ Connection::Wait Connection::wait_for(short events, Clock::time_point until) con
 /// True: something came. False: the client closed.
 Result<bool> Connection::receive(Clock::time_point until) {
   const Wait waited = wait_for(POLLIN, until);
-  if (waited == Wait::timeout) return Error{ErrorCode::time_limit, "The request came too slowly."};
+  if (waited == Wait::timeout) {
+    return Error{ErrorCode::request_timeout, "The request came too slowly: send it again."};
+  }
   if (waited == Wait::stopped) return Error{ErrorCode::unavailable, "The server is stopping."};
   buffer_.erase(0, at_);
   at_ = 0;
@@ -81,7 +93,7 @@ Result<std::optional<RequestHead>> Connection::read_head() {
       body_until_ = Clock::now() + limits_.body;
       return std::optional(std::move(*head));
     }
-    if (buffer_.size() - at_ > kMaxHeadBytes) return bad("The request head is too long.");
+    if (buffer_.size() - at_ > kMaxHeadBytes) return endless_head(buffer_.find("\r\n", at_));
     auto got = receive(until);
     const bool begun = at_ < buffer_.size();
     if (!got && (!begun || got.error().code == ErrorCode::unavailable)) {

@@ -31,13 +31,13 @@ class Connection {
   Connection(UniqueFd socket, const ConnectionLimits& limits, int stop_descriptor);
 
   /// The next request's head. Nothing: the client is gone or idle, or the server stops.
-  /// Errors: bad_request, time_limit.
+  /// Errors: bad_request, uri_too_long, headers_too_large, request_timeout.
   Result<std::optional<RequestHead>> read_head();
 
   /// Bytes of the current body, at most `space.size()`; 0 at its end. The first call tells a client
   /// that expects it to continue, so that a refusal without reading comes before the upload.
-  /// Errors: bad_request (cut short, badly framed), too_large, time_limit, unavailable (the server
-  /// stops).
+  /// Errors: bad_request (cut short, badly framed), too_large, request_timeout, unavailable (the
+  /// server stops).
   Result<std::size_t> read_body(std::span<char> space);
 
   /// True once the whole body of the current request has been read, so that a next one may follow.

@@ -115,14 +115,42 @@ class LibraryBody final : public BodySource {
 };
 
 void put_file(httplib::Response& to, FileBody file, const std::string& content_type) {
-  const auto shared = std::make_shared<UniqueFd>(std::move(file.file));
+  const std::uint64_t bytes = file.size();
+  const auto reader = std::make_shared<FileBodyReader>(std::move(file));
   to.set_content_provider(
-      file.bytes, content_type, [shared](size_t offset, size_t length, httplib::DataSink& sink) {
+      bytes, content_type, [reader](size_t, size_t length, httplib::DataSink& sink) {
         std::array<char, kFileChunk> chunk;
-        const ssize_t got = ::pread(shared->get(), chunk.data(), std::min(length, chunk.size()),
-                                    static_cast<off_t>(offset));
-        return got > 0 && sink.write(chunk.data(), static_cast<size_t>(got));
+        const std::size_t got =
+            reader->read(std::span(chunk).first(std::min(length, chunk.size())));
+        return got > 0 && sink.write(chunk.data(), got);
       });
+}
+
+/// `chunked`: the client knows chunks; otherwise the end of the connection is the end of the body.
+void put_stream(httplib::Response& to, HttpResponse& from, bool chunked) {
+  const auto provider = [stream = std::move(from.stream)](size_t, httplib::DataSink& sink) {
+    bool taken = true;
+    stream([&](std::string_view bytes) {
+      // The library takes an empty write for the end.
+      if (taken && !bytes.empty()) taken = sink.write(bytes.data(), bytes.size());
+      return taken;
+    });
+    if (taken) sink.done();
+    return taken;
+  };
+  if (chunked) {
+    to.set_chunked_content_provider(from.content_type, provider);
+  } else {
+    to.set_content_provider(from.content_type, provider);
+  }
+}
+
+/// The library says more about bodies than is true: of answers that have none, and of HEAD.
+void correct_headers(httplib::Response& to, bool takes_ranges) {
+  constexpr int kNoContent = 204;
+  constexpr int kNotModified = 304;
+  if (to.status == kNoContent || to.status == kNotModified) to.headers.erase("Content-Length");
+  if (!takes_ranges) to.headers.erase("Accept-Ranges");
 }
 
 /// The library's server without its sockets and threads: one per connection, so that handlers know
@@ -147,7 +175,7 @@ class Talk final : private httplib::Server {
   bool process(const RequestHead& head);
   void tell_answered();
   HttpRequest request_of(const httplib::Request& from) const;
-  void put(HttpResponse from, httplib::Response& to);
+  void put(HttpResponse from, const httplib::Request& request, httplib::Response& to);
   void refuse(const Error& error);
 
   Connection& connection_;
@@ -156,6 +184,7 @@ class Talk final : private httplib::Server {
   RequestStream stream_;
   const RequestHead* head_ = nullptr;  ///< of the request being answered
   bool close_ = false;                 ///< after this answer
+  bool takes_ranges_ = false;          ///< as the application says
   HttpExchange exchange_;              ///< of the request being answered
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::uint64_t told_in_ = 0;  ///< bytes of the exchanges before
@@ -167,29 +196,31 @@ void Talk::set_handlers() {
     const HttpRequest request = request_of(from);
     if (application_.wants_body(request)) return HandlerResponse::Unhandled;
     NoBody body;
-    put(application_.answer(request, body), to);
+    put(application_.answer(request, body), from, to);
     return HandlerResponse::Handled;
   });
   const HandlerWithContentReader with_body = [this](const httplib::Request& from,
                                                     httplib::Response& to,
                                                     const httplib::ContentReader& reader) {
     LibraryBody body(reader, from.is_multipart_form_data(), stream_);
-    put(application_.answer(request_of(from), body), to);
+    put(application_.answer(request_of(from), body), from, to);
   };
   constexpr const char* kAnyPath = "/.*";
   Post(kAnyPath, with_body);
   Put(kAnyPath, with_body);
   Patch(kAnyPath, with_body);
   // What the library refuses by itself: a request line or headers it cannot read.
-  set_error_handler(HandlerWithResponse([this](const httplib::Request&, httplib::Response& to) {
+  set_error_handler(HandlerWithResponse([this](const httplib::Request& from,
+                                               httplib::Response& to) {
     if (!to.body.empty() || to.content_provider_) return HandlerResponse::Unhandled;
-    put(problem_response({ErrorCode::bad_request, "The request cannot be understood."}), to);
+    put(problem_response({ErrorCode::bad_request, "The request cannot be understood."}), from, to);
     close_ = true;
     return HandlerResponse::Handled;
   }));
-  set_exception_handler([this](const httplib::Request&, httplib::Response& to, std::exception_ptr) {
+  set_exception_handler([this](const httplib::Request& from, httplib::Response& to,
+                               std::exception_ptr) {
     log_.write(LogLevel::error, "exception_in_answer");
-    put(problem_response({ErrorCode::internal, "The server met a defect of its own."}), to);
+    put(problem_response({ErrorCode::internal, "The server met a defect of its own."}), from, to);
     close_ = true;
   });
   set_post_routing_handler([this](const httplib::Request& from, httplib::Response& to) {
@@ -197,6 +228,7 @@ void Talk::set_handlers() {
     exchange_.path = from.path;
     exchange_.status = to.status;
     to.set_header("traceparent", format_traceparent(exchange_.trace));
+    correct_headers(to, takes_ranges_);
     if (!close_) return;
     to.headers.erase("Connection");
     to.headers.erase("Keep-Alive");
@@ -219,14 +251,21 @@ HttpRequest Talk::request_of(const httplib::Request& from) const {
   return request;
 }
 
-void Talk::put(HttpResponse from, httplib::Response& to) {
-  close_ = close_ || from.close || !connection_.body_is_over();
+void Talk::put(HttpResponse from, const httplib::Request& request, httplib::Response& to) {
+  const bool chunked = request.version == "HTTP/1.1";
+  close_ = close_ || from.close || !connection_.body_is_over() || (from.stream && !chunked);
+  takes_ranges_ = false;
   to.status = from.status;
   to.body.clear();
-  for (const auto& [name, value] : from.headers) to.set_header(name, value);
+  for (const auto& [name, value] : from.headers) {
+    to.set_header(name, value);
+    takes_ranges_ = takes_ranges_ || name == "Accept-Ranges";
+  }
   if (from.file) {
     put_file(to, std::move(*from.file), from.content_type);
-  } else {
+  } else if (from.stream) {
+    put_stream(to, from, chunked);
+  } else if (!from.body.empty()) {
     to.set_content(from.body, from.content_type);
   }
 }

@@ -5,6 +5,10 @@
 #include <charconv>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "server/fairwayd/http_fields.h"
+
 namespace fairway {
 namespace {
 
@@ -12,23 +16,15 @@ Error bad(std::string message) {
   return {ErrorCode::bad_request, std::move(message)};
 }
 
-char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
-bool same(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](char x, char y) { return lower(x) == lower(y); });
-}
-
-bool is_token_char(char c) {
-  constexpr std::string_view kMarks = "!#$%&'*+-.^_`|~";
-  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-         kMarks.find(c) != std::string_view::npos;
-}
-
-bool is_token(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), is_token_char);
+Error too_long(bool request_line) {
+  if (request_line) {
+    return {ErrorCode::uri_too_long,
+            fmt::format("The request line is longer than {} bytes: send parameters as a part of a "
+                        "form.",
+                        kMaxHeadLine)};
+  }
+  return {ErrorCode::headers_too_large,
+          fmt::format("A header is longer than {} bytes.", kMaxHeadLine)};
 }
 
 bool has_control(std::string_view text) {
@@ -36,13 +32,6 @@ bool has_control(std::string_view text) {
     const auto u = static_cast<unsigned char>(c);
     return (u < 0x20 && c != '\t') || u == 0x7f;
   });
-}
-
-std::string_view trim(std::string_view text) {
-  constexpr std::string_view kBlank = " \t";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
 Result<void> check_request_line(std::string_view line) {
@@ -78,7 +67,7 @@ Result<void> take_length(std::string_view value, RequestHead& head) {
 }
 
 Result<void> take_transfer(std::string_view value, RequestHead& head) {
-  if (head.framing.chunked || !same(value, "chunked")) {
+  if (head.framing.chunked || !same_word(value, "chunked")) {
     return bad("The only transfer coding taken here is one \"chunked\".");
   }
   head.framing.chunked = true;
@@ -91,7 +80,7 @@ bool is_dealt_with(std::string_view name) {
       "Content-Length", "Transfer-Encoding", "Content-Encoding", "Expect", "Accept-Encoding",
       "Range",          "If-Range",          "Connection"};
   return std::any_of(kNames.begin(), kNames.end(),
-                     [name](std::string_view known) { return same(name, known); });
+                     [name](std::string_view known) { return same_word(name, known); });
 }
 
 Result<void> take_header(std::string_view line, RequestHead& head) {
@@ -100,20 +89,18 @@ Result<void> take_header(std::string_view line, RequestHead& head) {
     return bad("A header line is broken.");
   }
   const std::string_view name = line.substr(0, colon);
-  const std::string_view value = trim(line.substr(colon + 1));
-  if (same(name, "Content-Length")) return take_length(value, head);
-  if (same(name, "Transfer-Encoding")) return take_transfer(value, head);
-  if (same(name, "Content-Encoding")) {
-    head.has_content_encoding = head.has_content_encoding || !same(value, "identity");
-  } else if (same(name, "Expect")) {
-    if (!same(value, "100-continue")) return bad("The only expectation met is 100-continue.");
+  const std::string_view value = trim_blanks(line.substr(colon + 1));
+  if (same_word(name, "Content-Length")) return take_length(value, head);
+  if (same_word(name, "Transfer-Encoding")) return take_transfer(value, head);
+  if (same_word(name, "Content-Encoding")) {
+    head.has_content_encoding = head.has_content_encoding || !same_word(value, "identity");
+  } else if (same_word(name, "Expect")) {
+    if (!same_word(value, "100-continue")) return bad("The only expectation met is 100-continue.");
     head.expects_continue = true;
-  } else if (same(name, "Connection")) {
-    if (same(value, "close")) head.keep_alive = false;
+  } else if (same_word(name, "Connection")) {
+    if (same_word(value, "close")) head.keep_alive = false;
   }
-  std::string key(name);
-  std::transform(key.begin(), key.end(), key.begin(), lower);
-  head.headers.emplace_back(std::move(key), value);
+  head.headers.emplace_back(lower_case(name), value);
   if (!is_dealt_with(name)) head.text.append(line).append("\r\n");
   return {};
 }
@@ -129,8 +116,11 @@ Result<RequestHead> parse_request_head(std::string_view text) {
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(end + 2);
     if (line.empty()) break;
-    if (line.size() > kMaxHeadLine) return bad("A line of the request head is too long.");
-    if (++lines > kMaxHeaders + 1) return bad("There are too many headers.");
+    if (line.size() > kMaxHeadLine) return too_long(lines == 0);
+    if (++lines > kMaxHeaders + 1) {
+      return Error{ErrorCode::headers_too_large,
+                   fmt::format("A request has at most {} headers.", kMaxHeaders)};
+    }
     auto taken = lines == 1 ? check_request_line(line) : take_header(line, head);
     if (!taken) return taken.error();
     if (lines == 1) {

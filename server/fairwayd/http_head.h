@@ -38,8 +38,9 @@ struct RequestHead {
   std::string text;
 };
 
-/// Reads a head, from the request line to the empty line. Errors: bad_request. A
-/// request without framing has no body; whether it should have one is for the route to say.
+/// Reads a head, from the request line to the empty line. Errors: bad_request,
+/// uri_too_long, headers_too_large. A request without framing has no body; whether it should have
+/// one is for the route to say.
 Result<RequestHead> parse_request_head(std::string_view head);
 
 }  // namespace fairway

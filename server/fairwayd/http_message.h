@@ -13,7 +13,7 @@
 
 #include "core/result.h"
 #include "proto/messages/json.h"
-#include "server/os/unique_fd.h"
+#include "server/fairwayd/file_body.h"
 
 namespace fairway {
 
@@ -44,18 +44,18 @@ struct HttpRequest {
   std::optional<std::string_view> header(std::string_view name) const;
 };
 
-/// A file as a body; sent from its start.
-struct FileBody {
-  UniqueFd file;
-  std::uint64_t bytes = 0;
-};
+/// Takes a piece of a body that is made while it is sent. False: nobody reads any more.
+using BodySink = std::function<bool(std::string_view)>;
 
-/// An answer. The body is `file` if there is one, otherwise `body`.
+/// An answer. The body is `file` or `stream` if there is one, otherwise `body`.
 struct HttpResponse {
   int status = 200;
   std::string content_type;
   std::string body;
   std::optional<FileBody> file = {};
+  /// Called in the thread that answers, with all of the head sent; returns at the end of the body,
+  /// or when the sink refuses. Not called for HEAD.
+  std::function<void(const BodySink&)> stream = {};
   NameValues headers = {};
   bool close = false;      ///< end the connection after this answer
   std::string cause = {};  ///< what the log is to say of a failure; never sent
@@ -89,7 +89,7 @@ class BodySource {
   using OnPart = std::function<Result<void>(const PartHead&)>;
 
   /// The whole body, in pieces. Errors: bad_request (cut short, badly framed), too_large,
-  /// time_limit.
+  /// request_timeout.
   virtual Result<void> read(const OnBytes& on_bytes) = 0;
 
   /// A multipart/form-data body: `on_part` at each head, then `on_bytes` with its content.

@@ -22,6 +22,7 @@ constexpr std::array kRows = {
     Row{Place::jobs, "/v1/jobs", "GET, HEAD, POST", "POST"},
     Row{Place::job, "/v1/jobs/{id}", "GET, HEAD, DELETE"},
     Row{Place::job_result, "/v1/jobs/{id}/result", "GET, HEAD"},
+    Row{Place::job_events, "/v1/jobs/{id}/events", "GET, HEAD"},
     Row{Place::job_cancel, "/v1/jobs/{id}/cancel", "POST"},
     Row{Place::denoise, "/v1/denoise", "POST", "POST"},
     Row{Place::inspect, "/v1/inspect", "POST", "POST"},

@@ -14,6 +14,7 @@ enum class Place {
   jobs,        ///< /v1/jobs
   job,         ///< /v1/jobs/{id}
   job_result,  ///< /v1/jobs/{id}/result
+  job_events,  ///< /v1/jobs/{id}/events
   job_cancel,  ///< /v1/jobs/{id}/cancel
   denoise,     ///< /v1/denoise
   inspect,     ///< /v1/inspect

@@ -70,12 +70,17 @@ Seen serve(std::string_view bytes, std::size_t piece) {
   }
 }
 
+bool is_refusal(ErrorCode code) {
+  return code == ErrorCode::bad_request || code == ErrorCode::uri_too_long ||
+         code == ErrorCode::headers_too_large;
+}
+
 }  // namespace
 
 std::string fuzz_http_head(ByteSpan bytes) {
   const auto head = parse_request_head(as_text(bytes));
   if (!head) {
-    return head.error().code == ErrorCode::bad_request ? "" : "a broken head is no bad request";
+    return is_refusal(head.error().code) ? "" : "a broken head is no bad request";
   }
   if (head->framing.chunked && head->framing.length) return "a body with two ends";
   const auto again = parse_request_head(head->text);

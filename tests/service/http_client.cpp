@@ -37,6 +37,10 @@ httplib::Client client_of(std::uint16_t port) {
   return client;
 }
 
+httplib::Headers to_library(const HttpClient::Headers& headers) {
+  return {headers.begin(), headers.end()};
+}
+
 }  // namespace
 
 std::string Answer::header(const std::string& lower_name) const {
@@ -61,8 +65,12 @@ std::string Answer::problem() const {
   return document["code"];
 }
 
-Answer HttpClient::get(const std::string& path) const {
-  return answer_of(client_of(port_).Get(path));
+Answer HttpClient::get(const std::string& path, const Headers& headers) const {
+  return answer_of(client_of(port_).Get(path, to_library(headers)));
+}
+
+Answer HttpClient::head(const std::string& path, const Headers& headers) const {
+  return answer_of(client_of(port_).Head(path, to_library(headers)));
 }
 
 Answer HttpClient::remove(const std::string& path) const {
@@ -73,9 +81,9 @@ Answer HttpClient::put(const std::string& path, const std::string& body) const {
   return answer_of(client_of(port_).Put(path, body, "text/plain"));
 }
 
-Answer HttpClient::post(const std::string& path, const std::string& body,
-                        const std::string& type) const {
-  return answer_of(client_of(port_).Post(path, body, type));
+Answer HttpClient::post(const std::string& path, const std::string& body, const std::string& type,
+                        const Headers& headers) const {
+  return answer_of(client_of(port_).Post(path, to_library(headers), body, type));
 }
 
 Answer HttpClient::post_form(const std::string& path, const std::string& mesh,

@@ -27,11 +27,15 @@ class HttpClient {
  public:
   explicit HttpClient(std::uint16_t port) : port_(port) {}
 
-  Answer get(const std::string& path) const;
+  using Headers = std::multimap<std::string, std::string>;
+
+  Answer get(const std::string& path, const Headers& headers = {}) const;
+  Answer head(const std::string& path, const Headers& headers = {}) const;
   Answer remove(const std::string& path) const;
   Answer put(const std::string& path, const std::string& body) const;
   Answer post(const std::string& path, const std::string& body = {},
-              const std::string& type = "application/octet-stream") const;
+              const std::string& type = "application/octet-stream",
+              const Headers& headers = {}) const;
   /// A multipart upload with the parts mesh and params.
   Answer post_form(const std::string& path, const std::string& mesh, const std::string& file_name,
                    const std::string& parameters) const;

@@ -82,11 +82,19 @@ TEST_CASE("every truncation of a head is refused") {
   }
 }
 
-TEST_CASE("the size of a head is bounded") {
-  CHECK(is_refused(post("A: " + std::string(kMaxHeadLine, 'x') + "\r\n")));
+TEST_CASE("the size of a head is bounded, and what is too long is told") {
+  const auto refusal_of = [](const std::string& head) {
+    const auto parsed = parse_request_head(head);
+    REQUIRE_FALSE(parsed);
+    return parsed.error().code;
+  };
+  CHECK(refusal_of("GET /" + std::string(kMaxHeadLine, 'x') + " HTTP/1.1\r\n\r\n") ==
+        ErrorCode::uri_too_long);
+  CHECK(refusal_of(post("A: " + std::string(kMaxHeadLine, 'x') + "\r\n")) ==
+        ErrorCode::headers_too_large);
   std::string many;
   for (std::size_t i = 0; i < kMaxHeaders; ++i) many += "A: x\r\n";
-  CHECK(is_refused(post(many)));
+  CHECK(refusal_of(post(many)) == ErrorCode::headers_too_large);
 }
 
 TEST_CASE("what is dealt with before the library does not reach it") {

@@ -24,6 +24,7 @@ TEST_CASE("the paths of the API lead to their places") {
   CHECK(place("/v1/inspect") == Place::inspect);
   CHECK(place("/v1/jobs/" + id) == Place::job);
   CHECK(place("/v1/jobs/" + id + "/result") == Place::job_result);
+  CHECK(place("/v1/jobs/" + id + "/events") == Place::job_events);
   CHECK(place("/v1/jobs/" + id + "/cancel") == Place::job_cancel);
   CHECK(route_of("/v1/jobs/" + id)->id == id);
 }
