@@ -24,8 +24,8 @@ struct CurvatureFields {
 CurvatureFields curvature(const TriangleMesh& surface, std::span<const Vec3> positions,
                           const Execution& execution = {});
 
-/// The same rounded to single precision, in which numbers beyond its range become its ends; `dir1`
-/// and `dir2` have three numbers per vertex.
+/// CurvatureFields rounded to single precision, in the same units and signs; numbers beyond its
+/// range become its ends. `dir1` and `dir2` have three numbers per vertex.
 struct CurvatureFloats {
   std::vector<float> k1, k2, mean, gaussian, predominant, dir1, dir2;
 };

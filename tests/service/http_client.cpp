@@ -10,8 +10,6 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include "server/os/unique_fd.h"
-
 namespace fairway::test {
 namespace {
 
@@ -93,15 +91,20 @@ Answer HttpClient::post_form(const std::string& path, const std::string& mesh,
   return answer_of(client_of(port_).Post(path, parts));
 }
 
-std::string HttpClient::raw(std::string_view bytes) const {
-  const UniqueFd socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+UniqueFd connect_to(std::uint16_t port, std::chrono::seconds patience) {
+  UniqueFd socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(port_);
+  address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   REQUIRE(::connect(socket.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
-  const timeval patience{2, 0};
-  ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  const timeval time{patience.count(), 0};
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &time, sizeof time);
+  return socket;
+}
+
+std::string HttpClient::raw(std::string_view bytes) const {
+  const UniqueFd socket = connect_to(port_, std::chrono::seconds(2));
   while (!bytes.empty()) {
     const ssize_t sent = ::send(socket.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (sent <= 0) break;  // refused meanwhile: the answer tells

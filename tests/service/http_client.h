@@ -1,11 +1,13 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
 
 #include "proto/messages/json.h"
+#include "server/os/unique_fd.h"
 
 namespace fairway::test {
 
@@ -46,6 +48,10 @@ class HttpClient {
  private:
   std::uint16_t port_;
 };
+
+/// A connection to the loopback whose reads wait for `patience`; fails the test where there is
+/// none.
+UniqueFd connect_to(std::uint16_t port, std::chrono::seconds patience);
 
 /// `text` with all that is not a letter or digit percent-encoded.
 std::string percent_encoded(std::string_view text);

@@ -1,25 +1,18 @@
 #include "tests/service/raw_connection.h"
 
 #include <array>
+#include <chrono>
 #include <utility>
 
-#include <arpa/inet.h>
 #include <catch2/catch.hpp>
-#include <netinet/in.h>
 #include <sys/socket.h>
+
+#include "tests/service/http_client.h"
 
 namespace fairway::test {
 
 RawConnection::RawConnection(std::uint16_t port)
-    : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  REQUIRE(::connect(socket_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
-  const timeval patience{60, 0};
-  ::setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-}
+    : socket_(connect_to(port, std::chrono::seconds(60))) {}
 
 void RawConnection::send(std::string_view bytes) {
   while (!bytes.empty()) {
