@@ -30,6 +30,7 @@ enum class ErrorCode : std::uint8_t {
   not_ready,  ///< the job has no result yet
   gone,       ///< the job had a result, which has expired or was deleted
   conflict,
+  key_reused,  ///< an idempotency key came with two different requests
   queue_full,
   storage_full,
   unavailable,            ///< the service cannot take work now

@@ -41,6 +41,9 @@ Json links_json(const JobFacts& job) {
   Json links{{"self", self}};
   if (job.state == JobState::succeeded) links["result"] = self + "/result";
   if (!is_final(job.state)) links["cancel"] = self + "/cancel";
+  if (job.state == JobState::failed || job.state == JobState::canceled) {
+    links["retry"] = self + "/retry";
+  }
   return links;
 }
 
@@ -77,6 +80,10 @@ Json job_document(const JobFacts& job) {
                 {"created", rfc3339_utc(job.created)}};
   if (job.started) document["started"] = rfc3339_utc(*job.started);
   if (job.finished) document["finished"] = rfc3339_utc(*job.finished);
+  if (job.expires) document["expires_at"] = rfc3339_utc(*job.expires);
+  if (job.cached) document["cached"] = true;
+  if (job.queue_position) document["queue_position"] = *job.queue_position;
+  document.update(job_options_document(job.options));
   document["input"] = payload_json(job.input);
   document["parameters"] = job.parameters;
   if (job.state == JobState::running && job.progress) {

@@ -7,6 +7,7 @@
 
 #include "core/result.h"
 #include "proto/messages/format.h"
+#include "proto/messages/job_options.h"
 #include "proto/messages/json.h"
 #include "proto/messages/worker_protocol.h"
 
@@ -49,15 +50,20 @@ struct JobFacts {
   std::optional<UnixMillis> finished;
   PayloadFacts input;
   Json parameters;                   ///< as resolved, see parameters_document()
+  JobOptions options;
+  bool cached = false;                        ///< the result is that of an earlier job
+  std::optional<UnixMillis> expires;          ///< when input and result go
+  std::optional<std::size_t> queue_position;  ///< of a queued job among its tenant's, from 1
   std::optional<Progress> progress;  ///< of a running job
   std::optional<Error> problem;      ///< why it failed
   Json report;                       ///< of a succeeded job; null before
   std::optional<PayloadFacts> result;
 };
 
-/// The job document of the API: id, state, revision, attempt, created, started, finished, input,
-/// parameters, progress, problem, report, result {bytes, media_type, sha256}, links {self, result,
-/// cancel}: only the links that can be followed now. Total.
+/// The job document of the API: id, state, revision, attempt, created, started, finished,
+/// expires_at, cached, queue_position, labels, priority, ttl, deadline, input, parameters, progress,
+/// problem, report, result {bytes, media_type, sha256}, links {self, result, cancel, retry}: only
+/// the links that can be followed now. Total.
 Json job_document(const JobFacts& job);
 
 }  // namespace fairway

@@ -32,6 +32,7 @@ constexpr std::array kKinds = {
     ProblemKind{not_ready, "not_ready", 409, 34, "Not ready"},
     ProblemKind{gone, "gone", 410, 35, "Gone"},
     ProblemKind{conflict, "conflict", 409, 36, "Conflict"},
+    ProblemKind{key_reused, "key_reused", 422, 42, "Idempotency-Key reused"},
     ProblemKind{queue_full, "queue_full", 429, 37, "The queue is full"},
     ProblemKind{storage_full, "storage_full", 507, 38, "Storage is full"},
     ProblemKind{unavailable, "unavailable", 503, 39, "Unavailable"},

@@ -65,13 +65,17 @@ HttpResponse Api::answer_place(const Route& route, const HttpRequest& request, B
     case Place::jobs:
       return request.method == "POST" ? submit_job(request, body) : list_jobs(request);
     case Place::job:
-      return request.method == "DELETE" ? delete_job(route.id) : show_job(request, route.id);
+      if (request.method == "PUT") return put_job(route.id, request, body);
+      return request.method == "DELETE" ? delete_job({.id = route.id})
+                                        : show_job(request, {.id = route.id});
     case Place::job_result:
-      return show_result(request, route.id);
+      return show_result(request, {.id = route.id});
     case Place::job_events:
-      return job_events(request, route.id);
+      return job_events(request, {.id = route.id});
     case Place::job_cancel:
-      return cancel_job(route.id);
+      return cancel_job({.id = route.id});
+    case Place::job_retry:
+      return retry_job({.id = route.id});
     case Place::denoise:
       return denoise(request, body);
     case Place::inspect:

@@ -15,6 +15,7 @@
 #include "server/fairwayd/inspection_task.h"
 #include "server/fairwayd/job_board.h"
 #include "server/fairwayd/job_store.h"
+#include "server/fairwayd/keys_in_flight.h"
 #include "server/fairwayd/log.h"
 #include "server/fairwayd/routes.h"
 #include "server/fairwayd/service_metrics.h"
@@ -29,7 +30,8 @@ inline constexpr std::size_t kMaxWatches = 256;
 struct ApiOptions {
   std::uint64_t max_mesh_bytes = std::uint64_t{512} << 20;
   std::size_t queue_limit = 256;
-  std::uint64_t min_free_bytes = 0;  ///< to leave in the blob store
+  std::uint64_t min_free_bytes = 0;                         ///< to leave in the blob store
+  std::chrono::milliseconds keep = std::chrono::hours(24);  ///< input and result after a job's end
 };
 
 /// The HTTP API over the stores. Knows no socket and no process.
@@ -46,29 +48,34 @@ class Api final : public HttpApplication {
  private:
   HttpResponse answer_place(const Route& route, const HttpRequest& request, BodySource& body);
   HttpResponse submit_job(const HttpRequest& request, BodySource& body);
+  HttpResponse put_job(const std::string& id, const HttpRequest& request, BodySource& body);
   HttpResponse denoise(const HttpRequest& request, BodySource& body);
   HttpResponse inspect(const HttpRequest& request, BodySource& body);
   HttpResponse list_jobs(const HttpRequest& request);
-  HttpResponse show_job(const HttpRequest& request, const std::string& id);
-  HttpResponse show_result(const HttpRequest& request, const std::string& id);
-  HttpResponse job_events(const HttpRequest& request, const std::string& id);
-  HttpResponse cancel_job(const std::string& id);
-  HttpResponse delete_job(const std::string& id);
+  HttpResponse show_job(const HttpRequest& request, const JobName& name);
+  HttpResponse show_result(const HttpRequest& request, const JobName& name);
+  HttpResponse job_events(const HttpRequest& request, const JobName& name);
+  HttpResponse cancel_job(const JobName& name);
+  HttpResponse retry_job(const JobName& name);
+  HttpResponse delete_job(const JobName& name);
 
   Result<void> check_room(const HttpRequest& request);
   Result<void> check_queue();
   Result<std::shared_ptr<InspectionTask>> line_up(const HttpRequest& request, BodySource& body);
-  Result<Job> submit(const HttpRequest& request, BodySource& body);
-  Result<Job> cancel(const std::string& id);
-  HttpResponse changed(const Job& job, const HttpRequest& request) const;
+  Result<Submission> submit(const JobName& name, const HttpRequest& request, BodySource& body);
+  Result<NewJob> take_in(const JobName& name, const HttpRequest& request, BodySource& body);
+  void drop_upload(const NewJob& job);
+  void remove_blob(const std::string& key);
+  Result<Job> cancel(const JobName& name);
+  HttpResponse changed(const Job& job, const HttpRequest& request);
   HttpResponse await_change(const HttpRequest& request, const Job& known);
-  HttpResponse wait_for_result(const Job& submitted, const HttpRequest& request,
+  HttpResponse wait_for_result(const Submission& submitted, const HttpRequest& request,
                                std::optional<std::chrono::seconds> time);
   HttpResponse result_of(const Job& job, const HttpRequest& request);
   HttpResponse refuse(const Error& error) const;
   HttpResponse refuse_upload(const Error& error) const;
-  Json document_of(const Job& job) const;
-  HttpResponse job_response(const Job& job, int status) const;
+  Json document_of(const Job& job);
+  HttpResponse job_response(const Job& job, int status);
 
   JobStore& jobs_;
   BlobStore& blobs_;
@@ -79,6 +86,7 @@ class Api final : public HttpApplication {
   const ApiOptions options_;
   const std::stop_token stop_;
   WatchLimit watches_{kMaxWatches};
+  KeysInFlight keys_in_flight_;
 };
 
 }  // namespace fairway

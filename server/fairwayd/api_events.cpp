@@ -33,10 +33,10 @@ HttpResponse no_more_events() {
 
 }  // namespace
 
-HttpResponse Api::job_events(const HttpRequest& request, const std::string& id) {
+HttpResponse Api::job_events(const HttpRequest& request, const JobName& name) {
   const auto seen = last_event(request);
   if (!seen) return refuse(seen.error());
-  const auto job = jobs_.find(id);
+  const auto job = jobs_.find(name);
   if (!job) return refuse(job.error());
   if (is_final(job->state) && *seen == job->revision) return no_more_events();
   const auto place = watches_.take();
@@ -50,7 +50,9 @@ HttpResponse Api::job_events(const HttpRequest& request, const std::string& id) 
   response.content_type = kEventStreamType;
   response.headers.emplace_back("Cache-Control", "no-store");
   response.headers.emplace_back("X-Accel-Buffering", "no");  // nginx would hold events back
-  response.stream = [events, id, place](const BodySink& sink) { events->send(id, sink); };
+  response.stream = [events, number = job->number, place](const BodySink& sink) {
+    events->send(number, sink);
+  };
   return response;
 }
 

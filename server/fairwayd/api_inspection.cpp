@@ -15,11 +15,13 @@ namespace fairway {
 
 /// The queue is asked before the upload is read, and again when there is something to queue.
 Result<std::shared_ptr<InspectionTask>> Api::line_up(const HttpRequest& request, BodySource& body) {
-  if (auto checked = check_upload(request, options_.max_mesh_bytes); !checked) {
+  if (auto checked = check_upload(request, UploadUse::inspection, options_.max_mesh_bytes);
+      !checked) {
     return checked.error();
   }
   if (auto room = check_room(request); !room) return room.error();
-  auto upload = receive_upload(request, body, blobs_, options_.max_mesh_bytes);
+  auto upload =
+      receive_upload(request, UploadUse::inspection, body, blobs_, options_.max_mesh_bytes);
   if (!upload) return upload.error();
   const auto queued = jobs_.queue_length();
   if (!queued) return queued.error();

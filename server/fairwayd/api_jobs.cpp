@@ -1,7 +1,9 @@
 // Jobs as clients see them: documents, lists, and their end.
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cstdint>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,22 +18,43 @@ namespace {
 
 constexpr std::size_t kMaxListed = 200;
 
-/// "?state=…&limit=…"; anything else is refused.
+/// A whole number of the query within its bounds.
+template <class Number>
+bool read_number(const std::string& text, Number low, Number high, Number& out) {
+  const char* end = text.data() + text.size();
+  const auto [stop, status] = std::from_chars(text.data(), end, out);
+  return status == std::errc() && stop == end && out >= low && out <= high;
+}
+
+/// "?state=…&label=…&limit=…&cursor=…"; anything else is refused.
 Result<JobQuery> job_query(const HttpRequest& request) {
   JobQuery query;
   for (const auto& [name, value] : request.query) {
-    const char* end = value.data() + value.size();
     if (name == "state" && (query.state = job_state_of_name(value))) continue;
-    if (name == "limit") {
-      const auto [stop, status] = std::from_chars(value.data(), end, query.limit);
-      if (status == std::errc() && stop == end && query.limit >= 1 && query.limit <= kMaxListed) {
-        continue;
-      }
+    if (name == "label" && is_label(value) && query.labels.size() < kMaxLabels) {
+      query.labels.push_back(value);
+      continue;
+    }
+    if (name == "limit" && read_number<std::size_t>(value, 1, kMaxListed, query.limit)) continue;
+    std::int64_t before = 0;
+    if (name == "cursor" && read_number<std::int64_t>(value, 1, INT64_MAX, before)) {
+      query.before = before;
+      continue;
     }
     return Error{ErrorCode::bad_request,
-                 fmt::format("The list takes state=<a job state> and limit=1…{}.", kMaxListed)};
+                 fmt::format("The list takes state=<a job state>, label=<a label> (several: jobs "
+                             "with all of them), limit=1…{} and cursor=<next of the list before>.",
+                             kMaxListed)};
   }
+  std::sort(query.labels.begin(), query.labels.end());
+  query.labels.erase(std::unique(query.labels.begin(), query.labels.end()), query.labels.end());
   return query;
+}
+
+Json counts_document(const StateCounts& counts) {
+  Json document = Json::object();
+  for (const auto& [state, count] : counts) document[std::string(name_of(state))] = count;
+  return document;
 }
 
 }  // namespace
@@ -39,53 +62,69 @@ Result<JobQuery> job_query(const HttpRequest& request) {
 HttpResponse Api::list_jobs(const HttpRequest& request) {
   const auto query = job_query(request);
   if (!query) return refuse(query.error());
-  const auto jobs = jobs_.list(*query);
-  if (!jobs) return refuse(jobs.error());
+  const auto page = jobs_.list(*query);
+  if (!page) return refuse(page.error());
+  const auto counts = jobs_.count(*query);
+  if (!counts) return refuse(counts.error());
   Json documents = Json::array();
-  for (const Job& job : *jobs) documents.push_back(document_of(job));
-  return json_response(Json{{"jobs", std::move(documents)}});
+  for (const Job& job : page->jobs) documents.push_back(document_of(job));
+  Json list{{"jobs", std::move(documents)}, {"counts", counts_document(*counts)}};
+  if (page->has_more) list["next"] = std::to_string(page->jobs.back().number);
+  return json_response(list);
 }
 
-HttpResponse Api::cancel_job(const std::string& id) {
-  const auto job = cancel(id);
+HttpResponse Api::cancel_job(const JobName& name) {
+  const auto job = cancel(name);
   return job ? job_response(*job, 200) : refuse(job.error());
 }
 
-HttpResponse Api::delete_job(const std::string& id) {
-  const auto ended = cancel(id);
-  if (!ended) return refuse(ended.error());
-  const auto job = jobs_.expire(id);
+HttpResponse Api::retry_job(const JobName& name) {
+  const auto old = jobs_.find(name);
+  if (!old) return refuse(old.error());
+  // Whatever the state says: without its input no job is done again.
+  if (const auto input = blobs_.open(old->input.key); !input) return refuse(input.error());
+  const auto job = jobs_.retry(name, options_.queue_limit);
   if (!job) return refuse(job.error());
-  if (ended->result) {
-    if (auto removed = blobs_.remove(ended->result->key); !removed) {
-      about(log_, *ended)
-          .write(LogLevel::warning, "result_not_removed", {{"reason", removed.error().message}});
-    }
-  }
+  about(log_, *job).write(LogLevel::info, "job_retried");
   board_.announce();
-  return job_response(*job, 200);
+  supervisor_.wake();
+  return job_response(*job, 202);
 }
 
-Result<Job> Api::cancel(const std::string& id) {
-  const auto before = jobs_.find(id);
-  auto job = jobs_.cancel(id);
+HttpResponse Api::delete_job(const JobName& name) {
+  const auto ended = cancel(name);
+  if (!ended) return refuse(ended.error());
+  const auto expiry = jobs_.expire(name);
+  if (!expiry) return refuse(expiry.error());
+  for (const std::string& key : expiry->blobs) remove_blob(key);
+  board_.announce();
+  return job_response(expiry->job, 200);
+}
+
+Result<Job> Api::cancel(const JobName& name) {
+  const auto before = jobs_.find(name);
+  auto job = jobs_.cancel(name);
   if (!job || job->state != JobState::canceled) return job;
   if (before && !is_final(before->state)) {
     const UnixMillis end = job->finished.value_or(job->created);
     metrics_.job_ended(problem_kind(ErrorCode::canceled).slug,
                        std::chrono::milliseconds(end - job->created));
   }
-  supervisor_.interrupt(id);
-  if (auto removed = blobs_.remove(job->input.key); !removed) {
-    about(log_, *job)
-        .write(LogLevel::warning, "input_not_removed", {{"reason", removed.error().message}});
-  }
+  supervisor_.interrupt(job->number);
   about(log_, *job).write(LogLevel::info, "job_canceled");
   board_.announce();
   return job;
 }
 
-Json Api::document_of(const Job& job) const {
+/// One that cannot be removed is swept at the next start.
+void Api::remove_blob(const std::string& key) {
+  if (auto removed = blobs_.remove(key); !removed) {
+    log_.write(LogLevel::warning, "blob_not_removed",
+               {{"key", key}, {"reason", removed.error().message}});
+  }
+}
+
+Json Api::document_of(const Job& job) {
   JobFacts facts;
   facts.id = job.id;
   facts.state = job.state;
@@ -100,13 +139,19 @@ Json Api::document_of(const Job& job) const {
   if (!job.report.empty()) {
     if (auto report = parse_json(job.report)) facts.report = std::move(*report);
   }
-  facts.progress = board_.progress(job.id);
+  facts.options = job.options;
+  facts.cached = job.cached;
+  facts.expires = job.expires;
+  if (job.state == JobState::queued) {
+    if (const auto before = jobs_.jobs_before(job)) facts.queue_position = *before + 1;
+  }
+  facts.progress = board_.progress(job.number);
   facts.problem = job.problem;
   if (job.result) facts.result = {job.result_format, job.result->bytes, job.result->sha256};
   return job_document(facts);
 }
 
-HttpResponse Api::job_response(const Job& job, int status) const {
+HttpResponse Api::job_response(const Job& job, int status) {
   HttpResponse response = json_response(document_of(job), status);
   add_version(response, job);
   if (status == 202) response.headers.emplace_back("Location", "/v1/jobs/" + job.id);

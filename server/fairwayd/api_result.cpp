@@ -26,8 +26,8 @@ std::string server_timing(const Job& job, const StageTimes& stages) {
 
 }  // namespace
 
-HttpResponse Api::show_result(const HttpRequest& request, const std::string& id) {
-  const auto job = jobs_.find(id);
+HttpResponse Api::show_result(const HttpRequest& request, const JobName& name) {
+  const auto job = jobs_.find(name);
   return job ? result_of(*job, request) : refuse(job.error());
 }
 
@@ -55,7 +55,7 @@ HttpResponse Api::result_of(const Job& job, const HttpRequest& request) {
   HttpResponse response = file_answer(request, std::move(*file),
                                       {job.result->bytes, job.result->sha256, media_type,
                                        fmt::format("{}.{}", job.id, name_of(job.result_format))});
-  response.headers.emplace_back("Server-Timing", server_timing(job, board_.stages(job.id)));
+  response.headers.emplace_back("Server-Timing", server_timing(job, board_.stages(job.number)));
   return response;
 }
 

@@ -1,6 +1,8 @@
 // From an upload to a queued job, and the synchronous way to its result.
 
+#include <algorithm>
 #include <chrono>
+#include <initializer_list>
 #include <optional>
 #include <utility>
 
@@ -13,6 +15,7 @@
 #include "server/fairwayd/result_format.h"
 #include "server/fairwayd/upload.h"
 #include "server/os/random_id.h"
+#include "server/os/sha256.h"
 
 namespace fairway {
 namespace {
@@ -24,21 +27,60 @@ bool is_over(const Job& job) {
   return is_final(job.state);
 }
 
+/// A new job is accepted; one that is there, or has its result, is shown.
+int accepted_status(const Submission& submitted) {
+  return submitted.is_new && !submitted.job.cached ? 202 : 200;
+}
+
+/// "" where the request has none. Errors: bad_request.
+Result<std::string> idempotency_key(const HttpRequest& request) {
+  constexpr std::size_t kLongest = 255;
+  const auto key = request.header("idempotency-key");
+  if (!key) return std::string();
+  const bool is_plain =
+      std::all_of(key->begin(), key->end(), [](char c) { return c > ' ' && c < 0x7f; });
+  if (key->empty() || key->size() > kLongest || !is_plain) {
+    return Error{ErrorCode::bad_request,
+                 "An Idempotency-Key is 1 to 255 characters of printable ASCII without spaces."};
+  }
+  return std::string(*key);
+}
+
+/// SHA-256 of the texts, told apart by their lengths.
+std::string digest_of(std::initializer_list<std::string_view> texts) {
+  Sha256 hash;
+  for (const std::string_view text : texts) {
+    const std::string head = fmt::format("{}:", text.size());
+    hash.update(std::as_bytes(std::span(head)));
+    hash.update(std::as_bytes(std::span(text)));
+  }
+  return hash.hex();
+}
+
 }  // namespace
 
 HttpResponse Api::submit_job(const HttpRequest& request, BodySource& body) {
-  const auto job = submit(request, body);
-  return job ? job_response(*job, 202) : refuse_upload(job.error());
+  const auto submitted = submit({.id = random_id()}, request, body);
+  if (!submitted) return refuse_upload(submitted.error());
+  return job_response(submitted->job, accepted_status(*submitted));
+}
+
+HttpResponse Api::put_job(const std::string& id, const HttpRequest& request, BodySource& body) {
+  const auto submitted = submit({.id = id}, request, body);
+  if (!submitted) return refuse_upload(submitted.error());
+  return job_response(submitted->job, accepted_status(*submitted));
 }
 
 HttpResponse Api::denoise(const HttpRequest& request, BodySource& body) {
-  const auto job = submit(request, body);
-  if (!job) return refuse_upload(job.error());
+  const auto submitted = submit({.id = random_id()}, request, body);
+  if (!submitted) return refuse_upload(submitted.error());
   const Preferences wanted = preferences_of(request);
   const bool at_once = wanted.respond_async && !wanted.wait;
-  HttpResponse response =
-      at_once ? job_response(*job, 202) : wait_for_result(*job, request, wanted.wait);
-  if (response.status != 202) response.headers.emplace_back("Location", "/v1/jobs/" + job->id);
+  HttpResponse response = at_once ? job_response(submitted->job, accepted_status(*submitted))
+                                  : wait_for_result(*submitted, request, wanted.wait);
+  if (response.status != 202) {
+    response.headers.emplace_back("Location", "/v1/jobs/" + submitted->job.id);
+  }
   const std::string applied = applied_text(wanted);
   if (!applied.empty()) response.headers.emplace_back("Preference-Applied", applied);
   return response;
@@ -66,41 +108,84 @@ Result<void> Api::check_queue() {
   return {};
 }
 
+/// The input, durable, and what is to be done with it.
+Result<NewJob> Api::take_in(const JobName& name, const HttpRequest& request, BodySource& body) {
+  auto upload = receive_upload(request, UploadUse::job, body, blobs_, options_.max_mesh_bytes);
+  if (!upload) return upload.error();
+  NewJob job;
+  job.name = name;
+  job.owns_input = upload->mesh != nullptr;
+  if (!job.owns_input) {
+    const auto query = read_upload_query(request, UploadUse::job);
+    const auto earlier = jobs_.find_input(name.tenant, query->input_sha256.value_or(""));
+    if (!earlier) return earlier.error();
+    job.input = earlier->input;
+    upload->format = earlier->input_format;
+    upload->files = earlier->input_files;
+  }
+  if (auto met = heed_accept(request, *upload); !met) return met.error();
+  if (job.owns_input) {
+    auto input = upload->mesh->commit("in-" + random_id());
+    if (!input) return input.error();
+    job.input = *std::move(input);
+  }
+  job.input_format = upload->format;
+  job.input_files = upload->files;
+  job.parameters = dump_json(parameters_document(upload->parameters));
+  job.options = upload->options;
+  job.keep = upload->options.ttl.value_or(std::chrono::ceil<std::chrono::seconds>(options_.keep));
+  const std::string& digest = upload->digest.empty() ? job.input.sha256 : upload->digest;
+  job.content = digest_of({FAIRWAY_VERSION, digest, name_of(job.input_format), job.parameters});
+  job.fingerprint = digest_of({job.content, dump_json(job_options_document(job.options))});
+  job.trace_id = request.trace.trace_id;
+  job.may_share = request.header("cache-control").value_or("") != "no-cache";
+  return job;
+}
+
+/// Its upload is not needed: the submit was refused, or there is a job with the same input.
+void Api::drop_upload(const NewJob& job) {
+  if (job.owns_input) remove_blob(job.input.key);
+}
+
 /// Order is the promise of a 202: the input is durable, then the row is committed.
-Result<Job> Api::submit(const HttpRequest& request, BodySource& body) {
-  if (auto checked = check_upload(request, options_.max_mesh_bytes); !checked) {
+Result<Submission> Api::submit(const JobName& name, const HttpRequest& request, BodySource& body) {
+  if (auto checked = check_upload(request, UploadUse::job, options_.max_mesh_bytes); !checked) {
     return checked.error();
   }
+  auto key = idempotency_key(request);
+  if (!key) return key.error();
+  const auto alone = keys_in_flight_.enter(
+      fmt::format("{} {} {}", name.tenant, *key, key->empty() ? name.id : ""));
+  if (!alone) {
+    return Error{ErrorCode::conflict,
+                 "The same submit is on its way: ask again when its upload is over."};
+  }
   if (auto room = check_room(request); !room) return room.error();
-  auto upload = receive_upload(request, body, blobs_, options_.max_mesh_bytes);
-  if (!upload) return upload.error();
-  if (auto met = heed_accept(request, *upload); !met) return met.error();
-  const std::string id = random_id();
-  auto input = upload->mesh->commit("in-" + id);
-  if (!input) return input.error();
-  const NewJob job{id,
-                   *input,
-                   upload->format,
-                   dump_json(parameters_document(upload->parameters)),
-                   upload->files,
-                   request.trace.trace_id};
-  auto stored = jobs_.submit(job, options_.queue_limit);
+  auto job = take_in(name, request, body);
+  if (!job) return job.error();
+  job->idempotency_key = *std::move(key);
+  auto stored = jobs_.submit(*job, options_.queue_limit);
   if (!stored) {
-    [[maybe_unused]] const auto removed = blobs_.remove(input->key);  // else swept at the start
+    drop_upload(*job);
     return stored.error();
   }
-  about(log_, *stored).write(LogLevel::info, "job_queued", {{"bytes", input->bytes}});
+  if (stored->job.input.key != job->input.key) drop_upload(*job);
+  if (!stored->is_new) return stored;
+  about(log_, stored->job)
+      .write(LogLevel::info, "job_queued",
+             {{"bytes", job->input.bytes}, {"cached", stored->job.cached}});
   board_.announce();
   supervisor_.wake();
   return stored;
 }
 
 /// A client that asks for an answer in time gets the job document when that is over, and the job
-/// goes on. One that hangs up while it waits for the mesh has no use for the job.
-HttpResponse Api::wait_for_result(const Job& submitted, const HttpRequest& request,
+/// goes on. One that hangs up while it waits for the mesh has no use for the job, unless another
+/// submit made it.
+HttpResponse Api::wait_for_result(const Submission& submitted, const HttpRequest& request,
                                   std::optional<std::chrono::seconds> time) {
   const auto waited =
-      wait_for_job({jobs_, board_, stop_, request.client_is_there}, submitted.id,
+      wait_for_job({jobs_, board_, stop_, request.client_is_there}, submitted.job.number,
                    std::chrono::steady_clock::now() + time.value_or(kForever), is_over);
   if (!waited) return refuse(waited.error());
   switch (waited->end) {
@@ -111,7 +196,8 @@ HttpResponse Api::wait_for_result(const Job& submitted, const HttpRequest& reque
     case WaitEnd::client_gone: {
       // Where the cancel cannot be written the job runs to its end, as one without a waiting
       // client.
-      [[maybe_unused]] const auto canceled = cancel(submitted.id);
+      if (submitted.is_new) [[maybe_unused]]
+        const auto canceled = cancel({submitted.job.tenant, submitted.job.id});
       HttpResponse response = problem_response({ErrorCode::canceled, "The client hung up."});
       response.close = true;
       return response;

@@ -34,8 +34,8 @@ HttpResponse unchanged(const Job& job) {
 
 }  // namespace
 
-HttpResponse Api::show_job(const HttpRequest& request, const std::string& id) {
-  const auto job = jobs_.find(id);
+HttpResponse Api::show_job(const HttpRequest& request, const JobName& name) {
+  const auto job = jobs_.find(name);
   if (!job) return refuse(job.error());
   switch (evaluate_conditions(request, version_of(*job))) {
     case Condition::proceed:
@@ -49,7 +49,7 @@ HttpResponse Api::show_job(const HttpRequest& request, const std::string& id) {
                  "If-Match never fits a job document, whose ETag is weak: leave it out."});
 }
 
-HttpResponse Api::changed(const Job& job, const HttpRequest& request) const {
+HttpResponse Api::changed(const Job& job, const HttpRequest& request) {
   HttpResponse response = job_response(job, 200);
   const Preferences heeded = heeded_preferences(request);
   if (heeded.wait) response.headers.emplace_back("Preference-Applied", applied_text(heeded));
@@ -62,7 +62,7 @@ HttpResponse Api::await_change(const HttpRequest& request, const Job& known) {
   const auto place = heeded.wait ? watches_.take() : nullptr;
   if (!place) return unchanged(known);
   const auto waited =
-      wait_for_job({jobs_, board_, stop_, request.client_is_there}, known.id,
+      wait_for_job({jobs_, board_, stop_, request.client_is_there}, known.number,
                    std::chrono::steady_clock::now() + *heeded.wait,
                    [&](const Job& job) { return !knows_version(request, version_of(job)); });
   if (!waited) return refuse(waited.error());

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "proto/messages/bundle.h"
+#include "proto/messages/json.h"
 
 namespace fairway {
 namespace {
@@ -36,8 +37,35 @@ Result<void> FileSpool::begin(const PartHead& part) {
   if (files_.size() == kMaxBundleFiles) {
     return bad_request(fmt::format("An upload has at most {} files.", kMaxBundleFiles));
   }
+  if (!files_.empty()) {
+    if (auto ended = end_file(); !ended) return ended;
+  }
   files_.push_back({name, part.content_type, is_part_mesh, 0, {}});
   return {};
+}
+
+/// The digest of the last file. Only the second one makes it worth having, so that the first is
+/// read once more.
+Result<void> FileSpool::end_file() {
+  if (files_.size() > 1) {
+    files_.back().sha256 = std::exchange(hash_, Sha256()).hex();
+    return {};
+  }
+  auto sha256 = sha256_of_file(draft_.descriptor());
+  if (!sha256) return sha256.error();
+  files_.back().sha256 = *std::move(sha256);
+  return {};
+}
+
+std::string FileSpool::digest(std::size_t mesh) const {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < files_.size(); ++i) {
+    lines.push_back(dump_json(Json{files_[i].name, files_[i].sha256, i == mesh}));
+  }
+  std::sort(lines.begin(), lines.end());
+  Sha256 hash;
+  for (const std::string& line : lines) hash.update(std::as_bytes(std::span(line)));
+  return hash.hex();
 }
 
 Result<void> FileSpool::append(std::span<const std::byte> bytes) {
@@ -53,6 +81,7 @@ Result<void> FileSpool::append(std::span<const std::byte> bytes) {
   if (file.is_part_mesh && wanted > 0 && file.head.size() == kMagicBytes) {
     if (auto format = recognise(file); !format) return format.error();
   }
+  if (files_.size() > 1) hash_.update(bytes);
   return draft_.append(bytes);
 }
 
@@ -66,9 +95,10 @@ Result<SpooledFiles> FileSpool::finish() {
     entries.reserve(files_.size());
     for (const File& file : files_) entries.push_back({file.name, file.bytes});
     const std::string end = bundle_end(entries, *mesh);
+    if (auto ended = end_file(); !ended) return ended.error();
     if (auto done = draft_.append(std::as_bytes(std::span(end))); !done) return done.error();
   }
-  return SpooledFiles{*format, files_.size()};
+  return SpooledFiles{*format, files_.size(), files_.size() > 1 ? digest(*mesh) : std::string()};
 }
 
 Result<Format> FileSpool::recognise(const File& file) {

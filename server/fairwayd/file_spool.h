@@ -11,6 +11,7 @@
 #include "proto/messages/format.h"
 #include "server/fairwayd/blob_store.h"
 #include "server/fairwayd/http_message.h"
+#include "server/os/sha256.h"
 
 namespace fairway {
 
@@ -21,6 +22,7 @@ Error upload_too_large(std::uint64_t limit);
 struct SpooledFiles {
   Format format = Format::glb;  ///< of the mesh
   std::size_t count = 1;
+  std::string digest = {};  ///< SHA-256 of the files in whatever order; "" where there is one
 };
 
 /// The files of an upload on their way into one spooled payload: a single file as it is, several as
@@ -51,16 +53,20 @@ class FileSpool {
     bool is_part_mesh = false;
     std::uint64_t bytes = 0;
     std::vector<std::byte> head;  ///< the first kMagicBytes
+    std::string sha256 = {};      ///< where there are several files, once the file is over
   };
 
   static Result<Format> recognise(const File& file);
   static int claim_to_be_mesh(const File& file);
   Result<std::size_t> find_mesh() const;
+  Result<void> end_file();
+  std::string digest(std::size_t mesh) const;
 
   BlobDraft& draft_;
   const std::uint64_t limit_;
   std::uint64_t count_ = 0;  ///< bytes of all files
   std::vector<File> files_;
+  Sha256 hash_;  ///< of the file at hand, from the second on
 };
 
 }  // namespace fairway

@@ -9,34 +9,34 @@ constexpr std::size_t kStagesKept = 1000;
 
 }  // namespace
 
-void JobBoard::post(const std::string& job_id, const Progress& progress) {
+void JobBoard::post(std::int64_t job, const Progress& progress) {
   const std::lock_guard lock(mutex_);
-  progress_[job_id] = progress;
+  progress_[job] = progress;
 }
 
-void JobBoard::forget(const std::string& job_id) {
+void JobBoard::forget(std::int64_t job) {
   const std::lock_guard lock(mutex_);
-  progress_.erase(job_id);
+  progress_.erase(job);
 }
 
-std::optional<Progress> JobBoard::progress(const std::string& job_id) const {
+std::optional<Progress> JobBoard::progress(std::int64_t job) const {
   const std::lock_guard lock(mutex_);
-  const auto found = progress_.find(job_id);
+  const auto found = progress_.find(job);
   if (found == progress_.end()) return std::nullopt;
   return found->second;
 }
 
-void JobBoard::keep_stages(const std::string& job_id, StageTimes stages) {
+void JobBoard::keep_stages(std::int64_t job, StageTimes stages) {
   const std::lock_guard lock(mutex_);
-  if (stages_.insert_or_assign(job_id, std::move(stages)).second) stages_kept_.push_back(job_id);
+  if (stages_.insert_or_assign(job, std::move(stages)).second) stages_kept_.push_back(job);
   if (stages_kept_.size() <= kStagesKept) return;
   stages_.erase(stages_kept_.front());
   stages_kept_.pop_front();
 }
 
-StageTimes JobBoard::stages(const std::string& job_id) const {
+StageTimes JobBoard::stages(std::int64_t job) const {
   const std::lock_guard lock(mutex_);
-  const auto found = stages_.find(job_id);
+  const auto found = stages_.find(job);
   return found == stages_.end() ? StageTimes() : found->second;
 }
 

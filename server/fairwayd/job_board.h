@@ -21,15 +21,17 @@ namespace fairway {
 /// what, the JobStore tells.
 class JobBoard {
  public:
-  void post(const std::string& job_id, const Progress& progress);
+  // Jobs are named by their number in the store.
+
+  void post(std::int64_t job, const Progress& progress);
   /// The job runs here no longer.
-  void forget(const std::string& job_id);
-  std::optional<Progress> progress(const std::string& job_id) const;
+  void forget(std::int64_t job);
+  std::optional<Progress> progress(std::int64_t job) const;
 
   /// How long a job that ended well here was in each stage; kept of the last thousand.
-  void keep_stages(const std::string& job_id, StageTimes stages);
+  void keep_stages(std::int64_t job, StageTimes stages);
   /// Empty where they are not known.
-  StageTimes stages(const std::string& job_id) const;
+  StageTimes stages(std::int64_t job) const;
 
   /// Some job's state was written. Wakes all who wait.
   void announce();
@@ -42,9 +44,9 @@ class JobBoard {
  private:
   mutable std::mutex mutex_;
   mutable std::condition_variable_any changed_;
-  std::map<std::string, Progress> progress_;
-  std::map<std::string, StageTimes> stages_;
-  std::deque<std::string> stages_kept_;  ///< the keys of stages_, oldest first
+  std::map<std::int64_t, Progress> progress_;
+  std::map<std::int64_t, StageTimes> stages_;
+  std::deque<std::int64_t> stages_kept_;  ///< the keys of stages_, oldest first
   std::uint64_t turn_ = 0;
 };
 

@@ -73,12 +73,12 @@ bool JobEvents::wait(const Job& job, std::uint64_t turn, const BodySink& sink) {
   return true;
 }
 
-void JobEvents::send(const std::string& id, const BodySink& sink) {
+void JobEvents::send(std::int64_t number, const BodySink& sink) {
   // A first line tells proxies and clients that the stream has begun, whatever the job does.
   if (!emit(sink, ":\n\n")) return;
   while (true) {
     const std::uint64_t turn = watch_.board.turn();
-    const auto job = watch_.jobs.find(id);
+    const auto job = watch_.jobs.find(number);
     if (!job || !send_state(*job, sink) || is_final(job->state)) return;
     if (!wait(*job, turn, sink)) return;
   }

@@ -33,7 +33,7 @@ class JobEvents {
             std::optional<std::int64_t> seen, EventPace pace = {});
 
   /// Sends events until the job is final, it is gone, the client is, or the server stops.
-  void send(const std::string& id, const BodySink& sink);
+  void send(std::int64_t number, const BodySink& sink);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -8,7 +8,7 @@ namespace fairway {
 namespace {
 
 /// Step n brings user_version n to n + 1. Steps are only ever added.
-constexpr std::array<const char*, 4> kSteps{
+constexpr std::array<const char*, 5> kSteps{
     R"sql(
   CREATE TABLE job (
     seq           INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -52,6 +52,84 @@ constexpr std::array<const char*, 4> kSteps{
 )sql",
     R"sql(
   CREATE TABLE probe (id INTEGER PRIMARY KEY CHECK (id = 1), at INTEGER NOT NULL) STRICT;
+)sql",
+    // Ids of a client's own, tenants, options, expiry. SQLite changes a constraint by a new table.
+    R"sql(
+  CREATE TABLE tenant (
+    name         TEXT NOT NULL PRIMARY KEY,
+    weight       REAL NOT NULL DEFAULT 1 CHECK (weight > 0),
+    most_running INTEGER CHECK (most_running >= 1),
+    pass         REAL NOT NULL DEFAULT 0
+  ) STRICT;
+  INSERT INTO tenant (name) VALUES ('local');
+  CREATE TABLE new_job (
+    seq             INTEGER PRIMARY KEY AUTOINCREMENT,
+    tenant          TEXT NOT NULL REFERENCES tenant (name),
+    id              TEXT NOT NULL CHECK (length(id) BETWEEN 1 AND 64),
+    state           TEXT NOT NULL
+                    CHECK (state IN ('queued','running','succeeded','failed','canceled','expired')),
+    revision        INTEGER NOT NULL CHECK (revision >= 1),
+    attempt         INTEGER NOT NULL CHECK (attempt >= 1),
+    fence           INTEGER NOT NULL CHECK (fence >= 0),
+    lease_owner     TEXT,
+    lease_until     INTEGER,
+    created         INTEGER NOT NULL,
+    started         INTEGER,
+    finished        INTEGER,
+    keep            INTEGER NOT NULL CHECK (keep > 0),
+    expires         INTEGER,
+    priority        INTEGER NOT NULL,
+    options         TEXT NOT NULL,
+    cached          INTEGER NOT NULL CHECK (cached IN (0, 1)),
+    idempotency_key TEXT,
+    fingerprint     TEXT NOT NULL,
+    content         TEXT,
+    input_key       TEXT NOT NULL,
+    input_bytes     INTEGER NOT NULL CHECK (input_bytes > 0),
+    input_sha256    TEXT NOT NULL,
+    input_format    TEXT NOT NULL,
+    input_files     INTEGER NOT NULL CHECK (input_files >= 1),
+    parameters      TEXT NOT NULL,
+    trace_id        TEXT NOT NULL,
+    problem         TEXT,
+    report          TEXT,
+    result_key      TEXT,
+    result_bytes    INTEGER,
+    result_sha256   TEXT,
+    result_format   TEXT,
+    UNIQUE (tenant, id),
+    UNIQUE (tenant, idempotency_key),
+    CHECK ((state = 'running') = (lease_owner IS NOT NULL)),
+    CHECK ((state = 'running') = (lease_until IS NOT NULL)),
+    CHECK ((state IN ('queued','running')) = (finished IS NULL)),
+    CHECK ((state IN ('succeeded','failed','canceled')) = (expires IS NOT NULL)),
+    CHECK ((state = 'succeeded') = (result_key IS NOT NULL)),
+    CHECK (state <> 'failed' OR problem IS NOT NULL),
+    CHECK (state IN ('failed','expired') OR problem IS NULL)
+  ) STRICT;
+  INSERT INTO new_job
+    SELECT seq, 'local', id, state, revision, attempt, fence, lease_owner, lease_until, created,
+           started, finished, 86400000,
+           CASE WHEN state IN ('succeeded','failed','canceled') THEN finished + 86400000 END,
+           0, '{}', 0, NULL, '', NULL, input_key, input_bytes, input_sha256, input_format,
+           input_files, parameters, trace_id, problem, report, result_key, result_bytes,
+           result_sha256, result_format
+    FROM job;
+  DROP TABLE job;
+  ALTER TABLE new_job RENAME TO job;
+  CREATE INDEX job_by_state ON job (state, seq);
+  CREATE INDEX job_in_turn ON job (tenant, state, priority DESC, seq);
+  CREATE INDEX job_by_content ON job (tenant, content) WHERE content IS NOT NULL;
+  CREATE INDEX job_by_input ON job (tenant, input_sha256);
+  CREATE INDEX job_by_input_key ON job (input_key);
+  CREATE INDEX job_by_result_key ON job (result_key) WHERE result_key IS NOT NULL;
+  CREATE INDEX job_by_expiry ON job (expires) WHERE expires IS NOT NULL;
+  CREATE TABLE job_label (
+    job   INTEGER NOT NULL REFERENCES job (seq) ON DELETE CASCADE,
+    label TEXT NOT NULL,
+    PRIMARY KEY (label, job)
+  ) STRICT, WITHOUT ROWID;
+  CREATE INDEX job_label_by_job ON job_label (job);
 )sql"};
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace fairway {
 ///       ▲ │         │ ├────► failed ─────┼──► expired
 ///       │ └─────────┼─┴────► canceled ───┘
 ///       └───────────┘  (lease lost or handed back)
+///       failed, canceled ──► queued  (retried)
 constexpr bool may_follow(JobState from, JobState to) {
   switch (from) {
     case JobState::queued:
@@ -20,9 +21,10 @@ constexpr bool may_follow(JobState from, JobState to) {
       return to == JobState::succeeded || to == JobState::failed || to == JobState::canceled ||
              to == JobState::queued;
     case JobState::succeeded:
+      return to == JobState::expired;
     case JobState::failed:
     case JobState::canceled:
-      return to == JobState::expired;
+      return to == JobState::expired || to == JobState::queued;
     case JobState::expired:
       return false;
   }

@@ -13,13 +13,26 @@
 #include "core/result.h"
 #include "proto/messages/format.h"
 #include "proto/messages/job_document.h"
+#include "proto/messages/job_options.h"
 #include "server/fairwayd/blob_store.h"
+#include "server/fairwayd/job_id.h"
 
 namespace fairway {
 
+/// Whose jobs they are where nobody says who he is.
+inline constexpr std::string_view kLocalTenant = "local";
+
+/// What a client names a job by. Ids are their tenant's own: another one's job is not found.
+struct JobName {
+  std::string tenant = std::string(kLocalTenant);
+  std::string id;
+};
+
 /// A job as it is stored.
 struct Job {
-  std::string id;  ///< see random_id()
+  std::int64_t number = 0;  ///< of the store, over all tenants; clients never see it
+  std::string tenant;
+  std::string id;  ///< see is_job_id()
   JobState state = JobState::queued;
   std::int64_t revision = 1;  ///< grows with every write
   int attempt = 1;            ///< 1-based; grows when a worker dies
@@ -31,6 +44,9 @@ struct Job {
   Format input_format = Format::glb;  ///< of the mesh
   std::size_t input_files = 1;        ///< more than one: the input is a Bundle of so many files
   std::string parameters;             ///< JSON, as resolved
+  JobOptions options;
+  bool cached = false;                ///< the result is that of an earlier job
+  std::optional<UnixMillis> expires;  ///< when input and result go; exactly if final, not expired
   std::optional<Error> problem;       ///< exactly if failed
   std::string report;                 ///< JSON; empty unless succeeded
   std::optional<BlobInfo> result;     ///< exactly if succeeded
@@ -40,18 +56,31 @@ struct Job {
 
 /// What submit() needs. The input is durable in the BlobStore before.
 struct NewJob {
-  std::string id;
+  JobName name;
   BlobInfo input;
   Format input_format = Format::glb;
   std::string parameters;
   std::size_t input_files = 1;
+  JobOptions options = {};
+  std::chrono::milliseconds keep{std::chrono::hours(24)};  ///< after its end, see Job::expires
+  std::string idempotency_key = {};                        ///< "": none
+  std::string fingerprint = {};  ///< of all that was sent: equal ones are the same submit
+  std::string content = {};      ///< of all that makes the result; "": nobody shares it
+  bool may_share = true;         ///< the result of an earlier job will do
+  bool owns_input = true;        ///< the input came with this submit; false: it is another job's
   std::string trace_id = {};
+};
+
+/// What became of a submit.
+struct Submission {
+  Job job;
+  bool is_new = true;  ///< false: the same submit came before, and this is its job
 };
 
 /// The right to work on a job. Every write through it is refused once another claim, a cancel or a
 /// hand-back has come in between: the fencing token no longer fits.
 struct Lease {
-  std::string job_id;
+  std::int64_t job = 0;  ///< its number
   std::int64_t fence = 0;
 };
 
@@ -70,16 +99,33 @@ struct Success {
 
 using Outcome = std::variant<Success, Error>;
 
-/// Which jobs list() returns: the newest `limit`, in one state or in any.
+/// Which jobs of a tenant list() returns.
 struct JobQuery {
-  std::optional<JobState> state;
+  std::string tenant = std::string(kLocalTenant);
+  std::optional<JobState> state = {};
+  std::vector<std::string> labels = {};     ///< a job must have all of them
+  std::optional<std::int64_t> before = {};  ///< numbers below this one
   std::size_t limit = 50;
 };
 
+struct JobPage {
+  std::vector<Job> jobs;  ///< newest first
+  bool has_more = false;
+};
+
+/// How many jobs are in each of all states.
+using StateCounts = std::map<JobState, std::size_t>;
+
 /// How many jobs there are.
 struct JobCounts {
-  std::map<JobState, std::size_t> by_state;  ///< every state
-  std::optional<UnixMillis> oldest_queued;   ///< when it was created
+  StateCounts by_state;
+  std::optional<UnixMillis> oldest_queued;  ///< when it was created
+};
+
+/// A job whose payload is no longer kept, and the keys of the blobs that no job needs any more.
+struct Expiry {
+  Job job;
+  std::vector<std::string> blobs;
 };
 
 /// Where jobs live. All operations are atomic and durable when they return, and may be called from
@@ -94,9 +140,12 @@ class JobStore {
  public:
   virtual ~JobStore() = default;
 
-  /// Adds a queued job. `queue_limit`: how many jobs may be queued. Errors: queue_full, conflict
-  /// (the id exists).
-  virtual Result<Job> submit(const NewJob& job, std::size_t queue_limit) = 0;
+  /// Adds a queued job; where it may share and an earlier one of the tenant with the same `content`
+  /// has a result, one that has succeeded with it, and shares its blobs. `queue_limit`: how many
+  /// jobs may be queued. The same idempotency key, or the same id, with the same fingerprint
+  /// returns the job that is there. Errors: queue_full, key_reused (the key came with another
+  /// fingerprint), conflict (the id did), not_found (the input of another job is gone).
+  virtual Result<Submission> submit(const NewJob& job, std::size_t queue_limit) = 0;
 
   /// How many jobs are queued: lets a server refuse before it reads an upload.
   virtual Result<std::size_t> queue_length() = 0;
@@ -108,14 +157,24 @@ class JobStore {
   virtual Result<void> probe() = 0;
 
   /// Errors: not_found.
-  virtual Result<Job> find(std::string_view id) = 0;
+  virtual Result<Job> find(const JobName& name) = 0;
+  virtual Result<Job> find(std::int64_t number) = 0;
 
-  /// Newest first.
-  virtual Result<std::vector<Job>> list(const JobQuery& query) = 0;
+  virtual Result<JobPage> list(const JobQuery& query) = 0;
 
-  /// Takes the oldest queued job for the worker host `owner`, for `lease` of time (the store's own
-  /// clock, not one that can be set), after returning jobs with an expired lease to the queue.
-  /// Nothing, if nothing is queued.
+  /// How many jobs there are in each state, `state`, `before` and `limit` of the query aside.
+  virtual Result<StateCounts> count(const JobQuery& query) = 0;
+
+  /// How many queued jobs of its tenant run before this queued one.
+  virtual Result<std::size_t> jobs_before(const Job& job) = 0;
+
+  /// The newest job of the tenant that still has an input of this digest. Errors: not_found.
+  virtual Result<Job> find_input(std::string_view tenant, std::string_view sha256) = 0;
+
+  /// Takes a queued job for the worker host `owner`, for `lease` of time (the store's own clock,
+  /// not one that can be set), after returning jobs with an expired lease to the queue. Tenants
+  /// take turns, of one tenant the highest priority goes first, of that the oldest job. Nothing, if
+  /// nothing is queued.
   virtual Result<std::optional<Claim>> claim(std::string_view owner,
                                              std::chrono::milliseconds lease) = 0;
 
@@ -135,11 +194,21 @@ class JobStore {
 
   /// Cancels a queued or running job; a job in a final state is returned as it is.
   /// Errors: not_found.
-  virtual Result<Job> cancel(std::string_view id) = 0;
+  virtual Result<Job> cancel(const JobName& name) = 0;
+
+  /// Puts a failed or canceled job into the queue anew. Errors: not_found, conflict (any other
+  /// state), queue_full.
+  virtual Result<Job> retry(const JobName& name, std::size_t queue_limit) = 0;
 
   /// Marks the payload of a final job as gone; an expired job is returned as it is.
   /// Errors: not_found, conflict (still queued or running).
-  virtual Result<Job> expire(std::string_view id) = 0;
+  virtual Result<Expiry> expire(const JobName& name) = 0;
+
+  /// At most `limit` final jobs whose time is over at `now`.
+  virtual Result<std::vector<JobName>> due(UnixMillis now, std::size_t limit) = 0;
+
+  /// Removes all trace of expired jobs that ended before `time`. Returns how many.
+  virtual Result<std::size_t> forget(UnixMillis time) = 0;
 
   /// The worker host `owner` starts anew: all that it held goes back to the queue, attempt not
   /// counted. Returns how many jobs.

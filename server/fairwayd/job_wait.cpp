@@ -18,12 +18,12 @@ WaitEnd other_end(const JobWatch& watch, steady_clock::time_point until) {
 
 }  // namespace
 
-Result<Waited> wait_for_job(const JobWatch& watch, const std::string& id,
+Result<Waited> wait_for_job(const JobWatch& watch, std::int64_t number,
                             steady_clock::time_point until,
                             const std::function<bool(const Job&)>& reached) {
   while (true) {
     const std::uint64_t turn = watch.board.turn();
-    auto job = watch.jobs.find(id);
+    auto job = watch.jobs.find(number);
     if (!job) return job.error();
     if (reached(*job)) return Waited{WaitEnd::reached, *std::move(job)};
     const auto look_again = steady_clock::now() + kLookForChange;

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <stop_token>
-#include <string>
 
 #include "core/result.h"
 #include "server/fairwayd/job_board.h"
@@ -33,8 +33,8 @@ struct Waited {
 };
 
 /// Blocks until `reached` is true of the job (it is asked first), `until` is past, the client has
-/// hung up, or the server stops. Errors: as JobStore::find().
-Result<Waited> wait_for_job(const JobWatch& watch, const std::string& id,
+/// hung up, or the server stops. `number`: of the job. Errors: as JobStore::find().
+Result<Waited> wait_for_job(const JobWatch& watch, std::int64_t number,
                             std::chrono::steady_clock::time_point until,
                             const std::function<bool(const Job&)>& reached);
 

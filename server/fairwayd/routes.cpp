@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "server/os/random_id.h"
+#include "server/fairwayd/job_id.h"
 
 namespace fairway {
 namespace {
@@ -20,10 +20,11 @@ constexpr std::array kRows = {
     Row{Place::readyz, "/readyz", "GET, HEAD"},
     Row{Place::metrics, "/metrics", "GET, HEAD"},
     Row{Place::jobs, "/v1/jobs", "GET, HEAD, POST", "POST"},
-    Row{Place::job, "/v1/jobs/{id}", "GET, HEAD, DELETE"},
+    Row{Place::job, "/v1/jobs/{id}", "GET, HEAD, PUT, DELETE", "PUT"},
     Row{Place::job_result, "/v1/jobs/{id}/result", "GET, HEAD"},
     Row{Place::job_events, "/v1/jobs/{id}/events", "GET, HEAD"},
     Row{Place::job_cancel, "/v1/jobs/{id}/cancel", "POST"},
+    Row{Place::job_retry, "/v1/jobs/{id}/retry", "POST"},
     Row{Place::denoise, "/v1/denoise", "POST", "POST"},
     Row{Place::inspect, "/v1/inspect", "POST", "POST"},
 };
@@ -39,7 +40,7 @@ std::optional<std::string> match(std::string_view pattern, std::string_view path
   if (!path.starts_with(pattern.substr(0, at))) return std::nullopt;
   path.remove_prefix(at);
   const std::string_view id = path.substr(0, path.find('/'));
-  if (!is_random_id(id) || path.substr(id.size()) != pattern.substr(at + kId.size())) {
+  if (!is_job_id(id) || path.substr(id.size()) != pattern.substr(at + kId.size())) {
     return std::nullopt;
   }
   return std::string(id);

@@ -16,6 +16,7 @@ enum class Place {
   job_result,  ///< /v1/jobs/{id}/result
   job_events,  ///< /v1/jobs/{id}/events
   job_cancel,  ///< /v1/jobs/{id}/cancel
+  job_retry,   ///< /v1/jobs/{id}/retry
   denoise,     ///< /v1/denoise
   inspect,     ///< /v1/inspect
 };

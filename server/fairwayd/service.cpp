@@ -21,6 +21,7 @@
 #include "server/fairwayd/service_metrics.h"
 #include "server/fairwayd/sqlite_job_store.h"
 #include "server/fairwayd/supervisor.h"
+#include "server/fairwayd/sweeper.h"
 #include "server/fairwayd/upload.h"
 #include "server/os/event_flag.h"
 #include "server/os/stop_signals.h"
@@ -197,9 +198,10 @@ Result<void> run_service(const Settings& settings) {
   const SupervisorOptions options = supervisor_options(settings, *worker);
   Supervisor supervisor(*ground->jobs, *ground->blobs, board, metrics, log, options);
   Api api(*ground->jobs, *ground->blobs, board, supervisor, metrics, log,
-          {settings.max_body, settings.queue, settings.min_free}, stop.get_token());
+          {settings.max_body, settings.queue, settings.min_free, settings.keep}, stop.get_token());
   Readiness readiness(*ground->jobs, *ground->blobs, log,
                       {*worker, options.limits, settings.min_free}, stop.get_token());
+  const Sweeper sweeper(*ground->jobs, *ground->blobs, board, log, {.forget = settings.forget});
   Service service{*ground->jobs, *ground->blobs, readiness, metrics, api,
                   supervisor,    *stopping,      *idle,     log};
   auto served = serve(settings, service, std::move(ground->listeners), *signals, stop);

@@ -23,32 +23,47 @@ class SqliteJobStore final : public JobStore {
   /// conflict (written by a newer fairwayd).
   static Result<std::unique_ptr<SqliteJobStore>> open(const std::filesystem::path& path);
 
-  Result<Job> submit(const NewJob& job, std::size_t queue_limit) override;
+  Result<Submission> submit(const NewJob& job, std::size_t queue_limit) override;
   Result<std::size_t> queue_length() override;
   Result<JobCounts> counts() override;
   Result<void> probe() override;
-  Result<Job> find(std::string_view id) override;
-  Result<std::vector<Job>> list(const JobQuery& query) override;
+  Result<Job> find(const JobName& name) override;
+  Result<Job> find(std::int64_t number) override;
+  Result<JobPage> list(const JobQuery& query) override;
+  Result<StateCounts> count(const JobQuery& query) override;
+  Result<std::size_t> jobs_before(const Job& job) override;
+  Result<Job> find_input(std::string_view tenant, std::string_view sha256) override;
   Result<std::optional<Claim>> claim(std::string_view owner,
                                      std::chrono::milliseconds lease) override;
   Result<void> heartbeat(const Lease& lease, std::chrono::milliseconds extension) override;
   Result<Job> finish(const Lease& lease, const Outcome& outcome) override;
   Result<Job> give_back(const Lease& lease) override;
   Result<Job> worker_died(const Lease& lease, const Error& cause) override;
-  Result<Job> cancel(std::string_view id) override;
-  Result<Job> expire(std::string_view id) override;
+  Result<Job> cancel(const JobName& name) override;
+  Result<Job> retry(const JobName& name, std::size_t queue_limit) override;
+  Result<Expiry> expire(const JobName& name) override;
+  Result<std::vector<JobName>> due(UnixMillis now, std::size_t limit) override;
+  Result<std::size_t> forget(UnixMillis time) override;
   Result<std::size_t> requeue_lost(std::string_view owner) override;
   Result<std::vector<std::string>> needed_blobs() override;
 
  private:
   explicit SqliteJobStore(Database database) : database_(std::move(database)) {}
 
-  Result<Job> load(std::string_view id);
+  Result<Job> load(const JobName& name);
+  Result<Job> load(std::int64_t number);
   Result<Job> load_leased(const Lease& lease);
   Result<Job> move(Job job, JobState to, const LeaseHolder& holder = {});
+  Result<Job> move_alone(Transaction transaction, Job job, JobState to);
   Result<std::size_t> requeue(std::vector<Job> jobs);
-  Result<std::vector<Job>> read_all(Query query);
   Result<std::size_t> count_queued();
+  Result<void> check_room(std::size_t queue_limit);
+  Result<std::optional<Job>> find_submitted(const NewJob& job);
+  Result<std::optional<Job>> find_content(const NewJob& job);
+  Result<std::int64_t> insert(const NewJob& job, const std::optional<Job>& like);
+  Result<void> enter_turn(const std::string& tenant);
+  Result<std::optional<Job>> next_in_turn();
+  Result<bool> is_needed(const std::string& key);
 
   std::mutex mutex_;
   Database database_;

@@ -1,5 +1,6 @@
 #include "server/fairwayd/supervisor.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,6 +24,14 @@ constexpr milliseconds kWritePause{250};
 
 bool may_pass(ErrorCode code) {
   return code == ErrorCode::unavailable || code == ErrorCode::storage_full || code == ErrorCode::io;
+}
+
+/// A job may ask for less time than the server gives.
+WorkerLimits limits_of(const Job& job, WorkerLimits limits) {
+  if (job.options.deadline) {
+    limits.deadline = std::min<decltype(limits.deadline)>(limits.deadline, *job.options.deadline);
+  }
+  return limits;
 }
 
 template <class Write>
@@ -102,10 +111,10 @@ void Supervisor::wake() {
   work_.notify_one();
 }
 
-void Supervisor::interrupt(std::string_view job_id) {
+void Supervisor::interrupt(std::int64_t job) {
   for (auto& slot : slots_) {
     const std::lock_guard lock(slot->mutex);
-    if (slot->job_id != job_id) continue;
+    if (slot->job != job) continue;
     slot->canceled = true;
     slot->interrupt.raise();
   }
@@ -173,15 +182,15 @@ void Supervisor::wait_for_work(std::stop_token stop) {
 void Supervisor::run(Slot& slot, const Claim& claim, std::stop_token stop) {
   {
     const std::lock_guard lock(slot.mutex);
-    slot.job_id = claim.job.id;
+    slot.job = claim.job.number;
     slot.canceled = false;
   }
   // A cancel before this line did not find the slot, but has been written to the store.
-  const auto now = jobs_.find(claim.job.id);
+  const auto now = jobs_.find(claim.job.number);
   const bool still_ours = !now || now->revision == claim.job.revision;
   if (still_ours) execute(slot, claim, stop);
   const std::lock_guard lock(slot.mutex);
-  slot.job_id.clear();
+  slot.job = 0;
 }
 
 void Supervisor::execute(Slot& slot, const Claim& claim, std::stop_token stop) {
@@ -215,7 +224,9 @@ Result<WorkerEnd> Supervisor::run_process(Slot& slot, const Claim& claim, BlobDr
   WorkerOrder order{claim.job.input_format, std::move(*parameters), claim.job.input_files};
   order.trace = claim.job.trace_id;
   return follow(slot, claim,
-                {options_.worker, input->get(), output.descriptor(), order, options_.limits}, stop);
+                {options_.worker, input->get(), output.descriptor(), order,
+                 limits_of(claim.job, options_.limits)},
+                stop);
 }
 
 Result<WorkerEnd> Supervisor::follow(Slot& slot, const Claim& claim, const WorkerTask& task,
@@ -227,7 +238,7 @@ Result<WorkerEnd> Supervisor::follow(Slot& slot, const Claim& claim, const Worke
   const WorkerWatch watch{
       [&](const Progress& progress) {
         stages.enter(progress.stage);
-        board_.post(claim.job.id, progress);
+        board_.post(claim.job.number, progress);
       },
       [&](std::string_view text) {
         if (++text_lines > kMaxTextLines) return;
@@ -241,7 +252,7 @@ Result<WorkerEnd> Supervisor::follow(Slot& slot, const Claim& claim, const Worke
     const auto took =
         std::chrono::duration_cast<std::chrono::microseconds>(steady_clock::now() - began);
     metrics_.job_ran(took, stages.finish());
-    board_.keep_stages(claim.job.id, stages.finish());
+    board_.keep_stages(claim.job.number, stages.finish());
   }
   return end;
 }
@@ -271,7 +282,7 @@ void Supervisor::settle(const Claim& claim, WorkerEnd end, BlobDraft& output,
   if (const auto* death = std::get_if<WorkerDied>(&end)) return lose_worker(claim, *death);
   if (stop.stop_requested()) return hand_back(claim);
   about(log_, claim.job).write(LogLevel::info, "worker_stopped");
-  board_.forget(claim.job.id);
+  board_.forget(claim.job.number);
 }
 
 void Supervisor::succeed(const Claim& claim, const Finished& finished, BlobDraft& output) {
@@ -307,7 +318,7 @@ void Supervisor::hand_back(const Claim& claim) {
 }
 
 void Supervisor::conclude(const Claim& claim, const Result<Job>& written) {
-  board_.forget(claim.job.id);
+  board_.forget(claim.job.number);
   const Log log = about(log_, claim.job);
   if (!written) {
     const bool late = written.error().code == ErrorCode::conflict;
@@ -319,9 +330,6 @@ void Supervisor::conclude(const Claim& claim, const Result<Job>& written) {
   const std::string_view problem =
       written->problem ? problem_kind(written->problem->code).slug : "";
   if (is_final(written->state)) {
-    if (auto removed = blobs_.remove(claim.job.input.key); !removed) {
-      log.write(LogLevel::warning, "input_not_removed", {{"reason", removed.error().message}});
-    }
     metrics_.job_ended(
         problem.empty() ? name_of(written->state) : problem,
         milliseconds(written->finished.value_or(written->created) - written->created));

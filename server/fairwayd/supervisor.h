@@ -67,7 +67,7 @@ class Supervisor {
 
   /// The job was canceled in the store: if it runs here, its worker is killed at once (elsewhere
   /// the next heartbeat tells).
-  void interrupt(std::string_view job_id);
+  void interrupt(std::int64_t job);
 
  private:
   struct Slot {
@@ -75,7 +75,7 @@ class Supervisor {
 
     const EventFlag interrupt;
     std::mutex mutex;
-    std::string job_id;     ///< empty while idle
+    std::int64_t job = 0;   ///< its number; 0 while idle
     bool canceled = false;  ///< the job was canceled while it ran here
     std::jthread thread;
   };

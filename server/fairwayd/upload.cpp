@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,64 +24,91 @@ bool is_multipart(const HttpRequest& request) {
          });
 }
 
-/// The value of `params` in the query. Nothing else may stand there.
-Result<std::optional<std::string>> query_parameters(const HttpRequest& request) {
-  std::optional<std::string> found;
-  for (const auto& [name, value] : request.query) {
-    if (name != "params" || found) {
-      return Error{ErrorCode::bad_request,
-                   "The query takes one key, params, with the URL-encoded parameter document."};
-    }
-    found = value;
-  }
-  return found;
+Error query_error(UploadUse use) {
+  return {ErrorCode::bad_request,
+          use == UploadUse::job
+              ? "The query takes params, with the URL-encoded parameter document, priority, ttl, "
+                "deadline and input, each once, and label as often as needed."
+              : "The query takes one key, params, with the URL-encoded parameter document."};
 }
 
-/// The parts of a multipart upload, in any order: `params`, and files.
+/// A number where it is one: what else it may be, the reader of the options tells.
+Json number_or_text(const std::string& text) {
+  std::int64_t number = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, status] = std::from_chars(text.data(), end, number);
+  return status == std::errc() && stop == end ? Json(number) : Json(text);
+}
+
+Result<std::string> digest_of_input(const std::string& text) {
+  constexpr std::string_view kAlgorithm = "sha256:";
+  constexpr std::size_t kDigits = 64;
+  const std::string digits = text.substr(std::min(kAlgorithm.size(), text.size()));
+  const bool is_hex = std::all_of(digits.begin(), digits.end(), [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+  });
+  if (text.starts_with(kAlgorithm) && digits.size() == kDigits && is_hex) return digits;
+  return Error{ErrorCode::bad_request,
+               "input is sha256: and the 64 lower-case hexadecimal digits of an earlier input."};
+}
+
+/// The texts of the parts that are no files. Each may come once.
+struct PartTexts {
+  std::optional<std::string> parameters = {};
+  std::optional<std::string> options = {};
+};
+
+/// The parts of a multipart upload, in any order: `params`, `job`, and files.
 class PartSorter {
  public:
-  explicit PartSorter(FileSpool& files) : files_(files) {}
+  PartSorter(FileSpool& files, UploadUse use) : files_(files), use_(use) {}
 
   Result<void> begin(const PartHead& part) {
     if (++parts_ > kMaxUploadParts) {
       return Error{ErrorCode::bad_request,
                    fmt::format("A multipart upload has at most {} parts.", kMaxUploadParts)};
     }
-    in_parameters_ = part.name == "params";
-    if (!in_parameters_) return files_.begin(part);
-    if (parameters_) {
-      return Error{ErrorCode::bad_request, "A multipart upload has at most one part params."};
-    }
-    parameters_.emplace();
-    return {};
+    text_ = nullptr;
+    if (part.name == "params") return begin_text(part, texts_.parameters);
+    if (part.name == "job" && use_ == UploadUse::job) return begin_text(part, texts_.options);
+    return files_.begin(part);
   }
 
   Result<void> append(std::span<const std::byte> bytes) {
-    if (!in_parameters_) return files_.append(bytes);
-    if (bytes.size() > kMaxParameterBytes - parameters_->size()) {
+    if (text_ == nullptr) return files_.append(bytes);
+    if (bytes.size() > kMaxParameterBytes - text_->size()) {
       return Error{ErrorCode::too_large, "The parameter document is too long."};
     }
-    parameters_->append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    text_->append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     return {};
   }
 
-  const std::optional<std::string>& parameters() const { return parameters_; }
+  PartTexts take() { return std::move(texts_); }
 
  private:
+  Result<void> begin_text(const PartHead& part, std::optional<std::string>& text) {
+    if (text) {
+      return Error{ErrorCode::bad_request,
+                   fmt::format("A multipart upload has at most one part {}.", part.name)};
+    }
+    text_ = &text.emplace();
+    return {};
+  }
+
   FileSpool& files_;
+  const UploadUse use_;
   std::size_t parts_ = 0;
-  bool in_parameters_ = false;
-  std::optional<std::string> parameters_;
+  std::string* text_ = nullptr;  ///< of the part at hand, unless it is a file
+  PartTexts texts_;
 };
 
-/// Returns the text of the part `params`, if there is one.
-Result<std::optional<std::string>> read_multipart(BodySource& body, FileSpool& files) {
-  PartSorter sorter(files);
+Result<PartTexts> read_multipart(BodySource& body, UploadUse use, FileSpool& files) {
+  PartSorter sorter(files, use);
   auto read =
       body.read_parts([&](const PartHead& part) { return sorter.begin(part); },
                       [&](std::span<const std::byte> bytes) { return sorter.append(bytes); });
   if (!read) return read.error();
-  return sorter.parameters();
+  return sorter.take();
 }
 
 /// A body that is one file.
@@ -91,46 +119,88 @@ Result<void> read_raw(const HttpRequest& request, BodySource& body, FileSpool& f
 
 }  // namespace
 
-Result<void> check_upload(const HttpRequest& request, std::uint64_t max_mesh_bytes) {
+Result<UploadQuery> read_upload_query(const HttpRequest& request, UploadUse use) {
+  UploadQuery query;
+  Json options = Json::object();
+  for (const auto& [name, value] : request.query) {
+    const bool for_job = use == UploadUse::job;
+    if (name == "params" && !query.parameters) {
+      query.parameters = value;
+    } else if (for_job && name == "label") {
+      options["labels"].push_back(value);
+    } else if (for_job && (name == "priority" || name == "ttl" || name == "deadline") &&
+               !options.contains(name)) {
+      options[name] = number_or_text(value);
+    } else if (for_job && name == "input" && !query.input_sha256) {
+      auto digest = digest_of_input(value);
+      if (!digest) return digest.error();
+      query.input_sha256 = *std::move(digest);
+    } else {
+      return query_error(use);
+    }
+  }
+  if (options.empty()) return query;
+  auto read = read_job_options(options);
+  if (!read) return read.error();
+  query.options = *std::move(read);
+  return query;
+}
+
+Result<void> check_upload(const HttpRequest& request, UploadUse use, std::uint64_t max_mesh_bytes) {
+  const auto query = read_upload_query(request, use);
+  if (!query) return query.error();
   if (request.has_content_encoding) {
     return Error{ErrorCode::unsupported_format,
                  "A content encoding is not taken: send the file's own bytes."};
   }
-  if (!request.has_length) {
+  if (!request.has_length && !query->input_sha256) {
     return Error{ErrorCode::length_required, "Say with Content-Length how long the mesh is."};
   }
   const std::uint64_t limit = max_mesh_bytes + (is_multipart(request) ? kUploadOverhead : 0);
   if (request.content_length.value_or(0) > limit) return upload_too_large(max_mesh_bytes);
-  const auto text = query_parameters(request);
-  if (!text) return text.error();
-  if (auto parameters = parse_parameters(text->value_or("")); !parameters) {
+  if (auto parameters = parse_parameters(query->parameters.value_or("")); !parameters) {
     return parameters.error();
   }
   return {};
 }
 
-Result<Upload> receive_upload(const HttpRequest& request, BodySource& body, BlobStore& blobs,
-                              std::uint64_t max_mesh_bytes) {
-  auto text = query_parameters(request);
-  if (!text) return text.error();
-  auto draft = blobs.create();
-  if (!draft) return draft.error();
-  FileSpool spool(**draft, max_mesh_bytes);
-  if (is_multipart(request)) {
-    auto part = read_multipart(body, spool);
-    if (!part) return part.error();
-    if (*text && *part) {
-      return Error{ErrorCode::bad_request, "Send params in the query or as a part, not both."};
+Result<Upload> receive_upload(const HttpRequest& request, UploadUse use, BodySource& body,
+                              BlobStore& blobs, std::uint64_t max_mesh_bytes) {
+  auto query = read_upload_query(request, use);
+  if (!query) return query.error();
+  Upload upload;
+  PartTexts parts;
+  if (!query->input_sha256) {
+    auto draft = blobs.create();
+    if (!draft) return draft.error();
+    FileSpool spool(**draft, max_mesh_bytes);
+    if (is_multipart(request)) {
+      auto read = read_multipart(body, use, spool);
+      if (!read) return read.error();
+      parts = *std::move(read);
+    } else if (auto read = read_raw(request, body, spool); !read) {
+      return read.error();
     }
-    if (*part) *text = std::move(*part);
-  } else if (auto read = read_raw(request, body, spool); !read) {
-    return read.error();
+    auto files = spool.finish();
+    if (!files) return files.error();
+    upload.mesh = std::move(*draft);
+    upload.format = files->format;
+    upload.files = files->count;
+    upload.digest = std::move(files->digest);
   }
-  auto files = spool.finish();
-  if (!files) return files.error();
-  auto parameters = parse_parameters(text->value_or(""));
+  if ((query->parameters && parts.parameters) || (query->options && parts.options)) {
+    return Error{ErrorCode::bad_request,
+                 "Send params and job in the query or as parts, not in both ways."};
+  }
+  const auto& text = query->parameters ? query->parameters : parts.parameters;
+  auto parameters = parse_parameters(text.value_or(""));
   if (!parameters) return parameters.error();
-  return Upload{std::move(*draft), files->format, files->count, std::move(*parameters)};
+  upload.parameters = std::move(*parameters);
+  auto options = query->options ? Result<JobOptions>(*query->options)
+                                : parse_job_options(parts.options.value_or(""));
+  if (!options) return options.error();
+  upload.options = *std::move(options);
+  return upload;
 }
 
 }  // namespace fairway

@@ -83,14 +83,18 @@ TEST_CASE("a 202 is given when the input and the job are both stored") {
   CHECK(f.submit().status == 202);
   const auto jobs = f.jobs().list({});
   REQUIRE(jobs);
-  REQUIRE(jobs->size() == 1);
-  CHECK(std::filesystem::exists(f.blobs() / jobs->front().input.key));
+  REQUIRE(jobs->jobs.size() == 1);
+  CHECK(std::filesystem::exists(f.blobs() / jobs->jobs.front().input.key));
 }
 
 TEST_CASE("an upload that loses the race for the last place in the queue keeps nothing") {
   Fixture f(1);
   const auto response = f.submit([&] {
-    REQUIRE(f.jobs().submit({random_id(), {"in-other", 1, "aa"}, Format::glb, "{}"}, 1));
+    NewJob other;
+    other.name.id = random_id();
+    other.input = {"in-other", 1, "aa"};
+    other.parameters = "{}";
+    REQUIRE(f.jobs().submit(other, 1));
   });
   CHECK(response.status == 429);
   CHECK(response.close);

@@ -27,7 +27,7 @@ std::vector<JobState> states_in(const TemporaryDirectory& directory) {
   const auto jobs = (*store)->list({});
   REQUIRE(jobs);
   std::vector<JobState> states;
-  for (const Job& job : *jobs) states.insert(states.begin(), job.state);
+  for (const Job& job : jobs->jobs) states.insert(states.begin(), job.state);
   return states;
 }
 

@@ -34,7 +34,8 @@ class HttpClient {
   Answer get(const std::string& path, const Headers& headers = {}) const;
   Answer head(const std::string& path, const Headers& headers = {}) const;
   Answer remove(const std::string& path) const;
-  Answer put(const std::string& path, const std::string& body) const;
+  Answer put(const std::string& path, const std::string& body,
+             const std::string& type = "text/plain") const;
   Answer post(const std::string& path, const std::string& body = {},
               const std::string& type = "application/octet-stream",
               const Headers& headers = {}) const;

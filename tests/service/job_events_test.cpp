@@ -22,12 +22,12 @@ void follow(test::JobFixture& f, std::optional<std::int64_t> seen, EventPace pac
             const BodySink& on_text) {
   const auto document = [&f](const Job& job) {
     Json json{{"state", name_of(job.state)}};
-    if (const auto progress = f.board.progress(job.id)) {
+    if (const auto progress = f.board.progress(job.number)) {
       json["progress"] = Json{{"step", progress->step}};
     }
     return json;
   };
-  JobEvents(f.watch(), document, seen, pace).send(f.id(), on_text);
+  JobEvents(f.watch(), document, seen, pace).send(f.number(), on_text);
 }
 
 const std::string kComment = ":\n\n";
@@ -82,7 +82,7 @@ TEST_CASE("progress is told as it grows, without an id, and never twice") {
       f.cancel();
       f.board.announce();
     } else {
-      f.board.post(f.id(), at_step(step));
+      f.board.post(f.number(), at_step(step));
     }
     return true;
   });
@@ -103,7 +103,7 @@ TEST_CASE("progress comes no more often than its pace") {
   int beats = 0;
   follow(f, std::nullopt, {1h, 5ms}, [&](std::string_view text) {
     if (text.starts_with("event: progress")) ++progress;
-    if (text == kComment) f.board.post(f.id(), at_step(++beats));
+    if (text == kComment) f.board.post(f.number(), at_step(++beats));
     if (beats == 20) f.cancel();
     return true;
   });

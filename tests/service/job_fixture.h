@@ -1,7 +1,7 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <string>
 
 #include <catch2/catch.hpp>
 
@@ -19,7 +19,13 @@ class JobFixture {
     auto jobs = SqliteJobStore::open(directory_.path() / "jobs.sqlite");
     REQUIRE(jobs);
     jobs_ = std::move(*jobs);
-    REQUIRE(jobs_->submit({id_, {"in", 1, "aa"}, Format::glb, "{}"}, 1));
+    NewJob job;
+    job.name.id = random_id();
+    job.input = {"in", 1, "aa"};
+    job.parameters = "{}";
+    const auto submitted = jobs_->submit(job, 1);
+    REQUIRE(submitted);
+    job_ = submitted->job;
   }
 
   JobWatch watch() {
@@ -27,8 +33,8 @@ class JobFixture {
   }
   /// The job gets a worker; nobody is told.
   void start() { REQUIRE(jobs_->claim("test", std::chrono::hours(1))); }
-  void cancel() { REQUIRE(jobs_->cancel(id_)); }
-  const std::string& id() const { return id_; }
+  void cancel() { REQUIRE(jobs_->cancel({job_.tenant, job_.id})); }
+  std::int64_t number() const { return job_.number; }
 
   JobBoard board;
   std::stop_source stop;
@@ -36,8 +42,8 @@ class JobFixture {
 
  private:
   TemporaryDirectory directory_;
-  std::string id_ = random_id();
   std::unique_ptr<JobStore> jobs_;
+  Job job_;
 };
 
 }  // namespace fairway::test

@@ -15,7 +15,7 @@ namespace {
 constexpr auto kLong = 120s;
 
 Waited wait(test::JobFixture& f, JobState state, std::chrono::milliseconds time = kLong) {
-  const auto waited = wait_for_job(f.watch(), f.id(), std::chrono::steady_clock::now() + time,
+  const auto waited = wait_for_job(f.watch(), f.number(), std::chrono::steady_clock::now() + time,
                                    [state](const Job& job) { return job.state == state; });
   REQUIRE(waited);
   return *waited;
@@ -69,8 +69,9 @@ TEST_CASE("the time is up although others' jobs keep changing") {
 
 TEST_CASE("a wait for a job that does not exist is an error") {
   test::JobFixture f;
-  const auto waited = wait_for_job(f.watch(), random_id(), std::chrono::steady_clock::now() + kLong,
-                                   [](const Job&) { return false; });
+  const auto waited =
+      wait_for_job(f.watch(), f.number() + 1, std::chrono::steady_clock::now() + kLong,
+                   [](const Job&) { return false; });
   REQUIRE_FALSE(waited);
   CHECK(waited.error().code == ErrorCode::not_found);
 }

@@ -36,7 +36,7 @@ TEST_CASE("other paths lead nowhere") {
                                           "/v1/jobs/",
                                           "/v1/jobsx",
                                           "/v1/jobs/../../etc/passwd",
-                                          "/v1/jobs/" + id + "x",
+                                          "/v1/jobs/" + std::string(65, 'x'),
                                           "/v1/jobs/" + id + "/",
                                           "/v1/jobs/" + id + "/result/",
                                           "//v1/jobs",

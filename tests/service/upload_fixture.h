@@ -71,7 +71,7 @@ class UploadFixture {
     return request;
   }
   Result<Upload> receive(const HttpRequest& request, PieceBody body) {
-    auto upload = receive_upload(request, body, *blobs_, kLimit);
+    auto upload = receive_upload(request, UploadUse::job, body, *blobs_, kLimit);
     if (!upload) CHECK(std::filesystem::is_empty(directory_.path() / "spool"));
     return upload;
   }

@@ -79,9 +79,10 @@ TEST_CASE("what the head of a request tells is refused before its body is read")
   const auto check = [](auto change) {
     HttpRequest request = UploadFixture::request("model/gltf-binary");
     change(request);
-    return refusal(check_upload(request, UploadFixture::kLimit));
+    return refusal(check_upload(request, UploadUse::job, UploadFixture::kLimit));
   };
-  CHECK(check_upload(UploadFixture::request("model/gltf-binary"), UploadFixture::kLimit));
+  CHECK(check_upload(UploadFixture::request("model/gltf-binary"), UploadUse::job,
+                     UploadFixture::kLimit));
   CHECK(check([](HttpRequest& r) { r.has_content_encoding = true; }) ==
         ErrorCode::unsupported_format);
   CHECK(check([](HttpRequest& r) { r.has_length = false; }) == ErrorCode::length_required);
