@@ -29,8 +29,14 @@ forbid(core "nlohmann/|httplib|sqlite3|draco/|meshoptimizer|tiny_gltf|fmt/|sys/|
 forbid(proto/messages "server/|proto/formats/" "messages stand below formats and server")
 forbid(proto/formats "server/" "formats stand below the server")
 forbid(server/os "proto/|server/fairway" "os stands below the programs")
-forbid(server/fairwayd "proto/formats/|server/fairway/" "the service never decodes a mesh")
-forbid(server/fairway "server/fairwayd/|httplib|sqlite3" "the tool knows no HTTP and no database")
+forbid(server/fairwayd "proto/formats/|server/fairway/|server/fairway-submit/"
+       "the service never decodes a mesh")
+forbid(server/fairway "server/fairwayd/|server/fairway-submit/|httplib|sqlite3"
+       "the tool knows no HTTP and no database")
+forbid(server/fairway-submit "server/fairwayd/|server/fairway/|core/[^r]|sqlite3"
+       "the batch client knows the API and no mesh")
+forbid(server/fairway-submit "proto/formats/" "only URIs of side files are looked at"
+       server/fairway-submit/scene_files.cpp)
 
 # One includer per foreign library.
 foreach(room core proto server)
@@ -46,8 +52,8 @@ foreach(room core proto server)
          proto/formats/fresh_gltf.cpp)
   forbid(${room} "sqlite3" "only server/fairwayd/sqlite.cpp includes sqlite"
          server/fairwayd/sqlite.cpp)
-  forbid(${room} "httplib" "only server/fairwayd/http_engine.cpp includes httplib"
-         server/fairwayd/http_engine.cpp)
+  forbid(${room} "httplib" "only http_engine.cpp and http_session.cpp include httplib"
+         server/fairwayd/http_engine.cpp server/fairway-submit/http_session.cpp)
 endforeach()
 
 if(broken)

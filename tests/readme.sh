@@ -49,6 +49,7 @@ done < <(grep '^curl ' "$readme")
 [ "$runs" -ge 5 ] || { echo "only $runs curl examples were found"; exit 1; }
 
 while IFS= read -r line; do
+  line=${line//http:\/\/127.0.0.1:8080/$url}
   echo "+ $line"
   eval "$line" </dev/null
-done < <(grep -E '^fairway (sample|inspect|denoise|curvature|compare) ' "$readme" | sort -r)
+done < <(grep -E '^fairway (sample|inspect|denoise|curvature|compare|submit) ' "$readme" | sort -r)

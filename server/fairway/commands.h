@@ -65,4 +65,8 @@ struct WorkerCommand {
 };
 int run(const WorkerCommand& command);
 
+/// `fairway submit …`: becomes the program fairway-submit that stands beside this one, with the
+/// arguments behind the verb (ended by a null pointer). Returns only an Error: io.
+Result<void> run_submit(char** arguments);
+
 }  // namespace fairway

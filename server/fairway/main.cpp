@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -24,10 +25,13 @@ class Tool {
     add_inspect();
     add_sample();
     add_compare();
+    add_submit();
     add_worker();
   }
 
   int run(int argc, char** argv) {
+    // Its options are not ours to parse.
+    if (argc > 1 && argv[1] == std::string_view("submit")) return tell(run_submit(argv + 2));
     try {
       app_.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
@@ -41,17 +45,17 @@ class Tool {
   /// Runs a command and says what went wrong, if anything did.
   template <class Command>
   std::function<void()> choose(const Command& command) {
-    return [this, &command] {
-      verb_ = [&command] {
-        const Result<void> done = fairway::run(command);
-        if (done) return 0;
-        const ProblemKind& kind = problem_kind(done.error().code);
-        const std::string where =
-            done.error().pointer.empty() ? "" : fmt::format(" (at {})", done.error().pointer);
-        fmt::print(stderr, "fairway: {}: {}{}\n", kind.title, done.error().message, where);
-        return kind.exit_code;
-      };
-    };
+    return [this, &command] { verb_ = [&command] { return tell(fairway::run(command)); }; };
+  }
+
+  /// The exit code of what was done.
+  static int tell(const Result<void>& done) {
+    if (done) return 0;
+    const ProblemKind& kind = problem_kind(done.error().code);
+    const std::string where =
+        done.error().pointer.empty() ? "" : fmt::format(" (at {})", done.error().pointer);
+    fmt::print(stderr, "fairway: {}: {}{}\n", kind.title, done.error().message, where);
+    return kind.exit_code;
   }
 
   /// A verb that makes a file of a file.
@@ -114,6 +118,13 @@ class Tool {
     verb->add_option("REFERENCE", compare_.reference, "The clean mesh")->required();
     verb->add_option("MESH", compare_.mesh, "A mesh with the same triangles")->required();
     verb->callback(choose(compare_));
+  }
+
+  /// For the help; run() never gets here with it.
+  void add_submit() {
+    app_.add_subcommand("submit",
+                        "Denoise many files by a fairway server and resume what broke off "
+                        "(fairway submit --help)");
   }
 
   void add_worker() {

@@ -2,39 +2,17 @@
 
 #include "server/fairway/side_folder.h"
 
-#include <cerrno>
 #include <filesystem>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 
 #include "server/os/file.h"
-#include "server/os/unique_fd.h"
 
 namespace fairway {
 namespace {
 
 constexpr std::size_t kMaxFiles = 4096;
-
-Error unreadable(const std::string& path, int error_number) {
-  return {ErrorCode::io,
-          system_sentence(fmt::format("open {} beside the document", path), error_number)};
-}
-
-/// O_NONBLOCK: a pipe must not make us wait before it is found to be no regular file.
-Result<UniqueFd> open_beneath(UniqueFd folder, const std::string& path) {
-  for (std::size_t start = 0;;) {
-    const std::size_t end = path.find('/', start);
-    const bool last = end == std::string::npos;
-    const std::string name = path.substr(start, end - start);
-    const int flags = O_RDONLY | O_CLOEXEC | O_NOFOLLOW | (last ? O_NONBLOCK : O_DIRECTORY);
-    UniqueFd next(name == ".." ? -1 : openat(folder.get(), name.c_str(), flags));
-    if (!next) return unreadable(path, name == ".." ? EACCES : errno);
-    if (last) return next;
-    folder = std::move(next);
-    start = end + 1;
-  }
-}
 
 }  // namespace
 

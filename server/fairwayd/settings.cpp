@@ -3,6 +3,7 @@
 #include "server/fairwayd/settings.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <string>
 #include <string_view>
@@ -20,8 +21,8 @@ namespace {
 
 constexpr std::string_view kPrefix = "FAIRWAY_";
 constexpr std::string_view kConfigVariable = "FAIRWAY_CONFIG";
-/// Variables with the prefix that others read.
-constexpr std::string_view kForeignVariable = "FAIRWAY_SHARED";
+/// Variables with the prefix that others read: tests, and the batch client.
+constexpr std::array<std::string_view, 2> kForeignVariables = {"FAIRWAY_SHARED", "FAIRWAY_API_KEY"};
 
 Settings default_settings() {
   Settings settings;
@@ -113,7 +114,9 @@ Result<void> take_variables(Settings& settings, Variables variables) {
     variables.erase(found);
   }
   for (const auto& [name, value] : variables) {
-    if (name != kConfigVariable && name != kForeignVariable) {
+    const bool foreign = std::find(kForeignVariables.begin(), kForeignVariables.end(), name) !=
+                         kForeignVariables.end();
+    if (name != kConfigVariable && !foreign) {
       settings.unknown_variables.push_back(name);
     }
   }

@@ -30,6 +30,25 @@ Result<UniqueFd> open_file(const std::filesystem::path& path, int flags, mode_t 
   return fd;
 }
 
+/// O_NONBLOCK: a pipe must not make us wait before it is found to be no regular file.
+Result<UniqueFd> open_beneath(UniqueFd folder, const std::string& path) {
+  const auto unreadable = [&path](int error_number) {
+    return Error{ErrorCode::io,
+                 system_sentence(fmt::format("open {} beside the document", path), error_number)};
+  };
+  for (std::size_t start = 0;;) {
+    const std::size_t end = path.find('/', start);
+    const bool last = end == std::string::npos;
+    const std::string name = path.substr(start, end - start);
+    const int flags = O_RDONLY | O_CLOEXEC | O_NOFOLLOW | (last ? O_NONBLOCK : O_DIRECTORY);
+    UniqueFd next(name == ".." ? -1 : ::openat(folder.get(), name.c_str(), flags));
+    if (!next) return unreadable(name == ".." ? EACCES : errno);
+    if (last) return next;
+    folder = std::move(next);
+    start = end + 1;
+  }
+}
+
 Result<void> write_all(int fd, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(fd, bytes.data(), bytes.size());

@@ -23,6 +23,10 @@ Error file_error(std::string_view doing, int error_number);
 /// open() with O_CLOEXEC. Errors: io.
 Result<UniqueFd> open_file(const std::filesystem::path& path, int flags, mode_t mode = 0600);
 
+/// Opens a file that a document names, by its path below `folder`: every name on the way in the
+/// directory before it, never through a symbolic link. Errors: io.
+Result<UniqueFd> open_beneath(UniqueFd folder, const std::string& path);
+
 /// Writes all of `bytes` at the descriptor's position. Errors: io, storage_full.
 Result<void> write_all(int fd, std::span<const std::byte> bytes);
 

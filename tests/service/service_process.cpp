@@ -53,8 +53,10 @@ ServiceProcess::ServiceProcess(const std::filesystem::path& data,
   REQUIRE(ends);
   const UniqueFd null = open_or_fail("/dev/null", O_RDONLY);
   const UniqueFd log = log_file(log_path);
-  std::vector<std::string> arguments = {"--data",      data.string(),     "--listen",
-                                        "127.0.0.1:0", "--worker-memory", kWorkerMemory};
+  std::vector<std::string> arguments = {"--data", data.string(), "--worker-memory", kWorkerMemory};
+  if (std::find(options.begin(), options.end(), "--listen") == options.end()) {
+    arguments.insert(arguments.end(), {"--listen", "127.0.0.1:0"});
+  }
   arguments.insert(arguments.end(), options.begin(), options.end());
   auto process = ChildProcess::spawn({FAIRWAY_BIN_DIR "/fairwayd",
                                       arguments,

@@ -13,7 +13,7 @@
 
 namespace fairway::test {
 
-/// The real fairwayd with the real worker, on a free port of the loopback.
+/// The real fairwayd with the real worker, on a free port of the loopback or where options say.
 class ServiceProcess {
  public:
   /// Starts it over a data directory and waits until it listens. `log`: the file that its log is
