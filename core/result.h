@@ -42,6 +42,10 @@ enum class ErrorCode : std::uint8_t {
   uri_too_long,           ///< request line above its limit
   headers_too_large,      ///< request head above a limit
   request_timeout,        ///< the request came too slowly
+  unauthorized,           ///< no key, or one that is not good
+  forbidden,              ///< who asks may not do that
+  rate_limited,           ///< too many submits in a short time
+  quota_exceeded,         ///< a tenant keeps as much as it may
   internal,               ///< a defect of fairway
 };
 

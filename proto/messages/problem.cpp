@@ -44,6 +44,10 @@ constexpr std::array kKinds = {
     ProblemKind{uri_too_long, "uri_too_long", 414, 53, "Address too long"},
     ProblemKind{headers_too_large, "headers_too_large", 431, 54, "Headers too large"},
     ProblemKind{request_timeout, "request_timeout", 408, 55, "Request timeout"},
+    ProblemKind{unauthorized, "unauthorized", 401, 56, "Unauthorized"},
+    ProblemKind{forbidden, "forbidden", 403, 57, "Forbidden"},
+    ProblemKind{rate_limited, "rate_limited", 429, 58, "Too many requests"},
+    ProblemKind{quota_exceeded, "quota_exceeded", 507, 59, "Quota exceeded"},
     ProblemKind{internal, "internal", 500, 41, "Internal error"},
 };
 

@@ -2,9 +2,12 @@
 
 #include "server/fairwayd/api.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "server/os/random_id.h"
 
 namespace fairway {
 namespace {
@@ -26,15 +29,18 @@ Error public_error(const Error& error) {
 }  // namespace
 
 Api::Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor,
-         ServiceMetrics& metrics, const Log& log, const ApiOptions& options, std::stop_token stop)
+         ServiceMetrics& metrics, const Gate& gate, const Log& log, const ApiOptions& options,
+         std::stop_token stop)
     : jobs_(jobs),
       blobs_(blobs),
       board_(board),
       supervisor_(supervisor),
       metrics_(metrics),
+      gate_(gate),
       log_(log),
       options_(options),
-      stop_(std::move(stop)) {}
+      stop_(std::move(stop)),
+      rate_limit_(options.rate) {}
 
 bool Api::wants_body(const HttpRequest& request) const {
   const auto route = route_of(request.path);
@@ -53,33 +59,76 @@ HttpResponse Api::answer(const HttpRequest& request, BodySource& body) {
     response.headers.emplace_back("Allow", allowed);
     return response;
   }
-  return answer_place(*route, request, body);
+  std::string tenant;
+  if (const auto scope = needed_scope(route->place, request.method)) {
+    auto caller = gate_.admit(request, *scope);
+    if (!caller) return refuse(caller.error());
+    tenant = std::move(caller->tenant);
+  }
+  return takes_body(route->place, request.method) ? answer_in_limits(*route, tenant, request, body)
+                                                  : answer_place(*route, tenant, request, body);
 }
 
-HttpResponse Api::answer_place(const Route& route, const HttpRequest& request, BodySource& body) {
+/// Those that submit are told how much more they may.
+HttpResponse Api::answer_in_limits(const Route& route, const std::string& tenant,
+                                   const HttpRequest& request, BodySource& body) {
+  const RateLimit::Verdict verdict = rate_limit_.take(tenant);
+  HttpResponse response =
+      verdict.allowed
+          ? answer_place(route, tenant, request, body)
+          : refuse({ErrorCode::rate_limited,
+                    fmt::format("More than {} submits came in a minute: try again in {} s.",
+                                rate_limit_.per_minute(), verdict.reset.count())});
+  std::string policy = fmt::format("\"queue\";q={}", options_.queue_limit);
+  std::string left;
+  if (const auto queued = jobs_.queue_length()) {
+    left = fmt::format("\"queue\";r={}",
+                       options_.queue_limit - std::min(*queued, options_.queue_limit));
+  }
+  if (rate_limit_.is_on()) {
+    policy += fmt::format(", \"submits\";q={};w=60", rate_limit_.per_minute());
+    left += fmt::format("{}\"submits\";r={};t={}", left.empty() ? "" : ", ", verdict.left,
+                        verdict.reset.count());
+  }
+  response.headers.emplace_back("RateLimit-Policy", policy);
+  if (!left.empty()) response.headers.emplace_back("RateLimit", left);
+  if (!verdict.allowed) {
+    response.headers.emplace_back("Retry-After", fmt::to_string(verdict.reset.count()));
+  }
+  return response;
+}
+
+HttpResponse Api::answer_place(const Route& route, const std::string& tenant,
+                               const HttpRequest& request, BodySource& body) {
   switch (route.place) {
-    case Place::livez:
-    case Place::readyz:
-    case Place::metrics:
-      break;  // answered by Operations, in front of this
     case Place::jobs:
-      return request.method == "POST" ? submit_job(request, body) : list_jobs(request);
-    case Place::job:
-      if (request.method == "PUT") return put_job(route.id, request, body);
-      return request.method == "DELETE" ? delete_job({.id = route.id})
-                                        : show_job(request, {.id = route.id});
-    case Place::job_result:
-      return show_result(request, {.id = route.id});
-    case Place::job_events:
-      return job_events(request, {.id = route.id});
-    case Place::job_cancel:
-      return cancel_job({.id = route.id});
-    case Place::job_retry:
-      return retry_job({.id = route.id});
+      return request.method == "POST" ? submit_job({tenant, random_id()}, request, body)
+                                      : list_jobs(tenant, request);
     case Place::denoise:
-      return denoise(request, body);
+      return denoise(tenant, request, body);
     case Place::inspect:
       return inspect(request, body);
+    default:
+      return answer_job(route.place, {tenant, route.id}, request, body);
+  }
+}
+
+HttpResponse Api::answer_job(Place place, const JobName& name, const HttpRequest& request,
+                             BodySource& body) {
+  switch (place) {
+    case Place::job:
+      if (request.method == "PUT") return submit_job(name, request, body);
+      return request.method == "DELETE" ? delete_job(name) : show_job(request, name);
+    case Place::job_result:
+      return show_result(request, name);
+    case Place::job_events:
+      return job_events(request, name);
+    case Place::job_cancel:
+      return cancel_job(name);
+    case Place::job_retry:
+      return retry_job(name);
+    default:
+      break;  // answered by Operations, in front of this
   }
   return problem_response({ErrorCode::internal, "A place without an answer."});
 }

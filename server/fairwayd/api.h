@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/fairwayd/blob_store.h"
+#include "server/fairwayd/gate.h"
 #include "server/fairwayd/http_engine.h"
 #include "server/fairwayd/http_message.h"
 #include "server/fairwayd/inspection_task.h"
@@ -17,6 +18,7 @@
 #include "server/fairwayd/job_store.h"
 #include "server/fairwayd/keys_in_flight.h"
 #include "server/fairwayd/log.h"
+#include "server/fairwayd/rate_limit.h"
 #include "server/fairwayd/routes.h"
 #include "server/fairwayd/service_metrics.h"
 #include "server/fairwayd/supervisor.h"
@@ -32,6 +34,9 @@ struct ApiOptions {
   std::size_t queue_limit = 256;
   std::uint64_t min_free_bytes = 0;                         ///< to leave in the blob store
   std::chrono::milliseconds keep = std::chrono::hours(24);  ///< input and result after a job's end
+  std::uint64_t worker_memory = 0;                          ///< bytes that a job may have; 0 = any
+  std::uint64_t rate = 0;          ///< submits a minute of one tenant; 0 = any
+  std::uint64_t tenant_bytes = 0;  ///< see SubmitLimits
 };
 
 /// The HTTP API over the stores. Knows no socket and no process.
@@ -40,18 +45,23 @@ class Api final : public HttpApplication {
   /// All references must outlive it; `stop` ends the waits of POST /v1/denoise
   /// and POST /v1/inspect.
   Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor,
-      ServiceMetrics& metrics, const Log& log, const ApiOptions& options, std::stop_token stop);
+      ServiceMetrics& metrics, const Gate& gate, const Log& log, const ApiOptions& options,
+      std::stop_token stop);
 
   bool wants_body(const HttpRequest& request) const override;
   HttpResponse answer(const HttpRequest& request, BodySource& body) override;
 
  private:
-  HttpResponse answer_place(const Route& route, const HttpRequest& request, BodySource& body);
-  HttpResponse submit_job(const HttpRequest& request, BodySource& body);
-  HttpResponse put_job(const std::string& id, const HttpRequest& request, BodySource& body);
-  HttpResponse denoise(const HttpRequest& request, BodySource& body);
+  HttpResponse answer_place(const Route& route, const std::string& tenant,
+                            const HttpRequest& request, BodySource& body);
+  HttpResponse answer_job(Place place, const JobName& name, const HttpRequest& request,
+                          BodySource& body);
+  HttpResponse answer_in_limits(const Route& route, const std::string& tenant,
+                                const HttpRequest& request, BodySource& body);
+  HttpResponse submit_job(const JobName& name, const HttpRequest& request, BodySource& body);
+  HttpResponse denoise(const std::string& tenant, const HttpRequest& request, BodySource& body);
   HttpResponse inspect(const HttpRequest& request, BodySource& body);
-  HttpResponse list_jobs(const HttpRequest& request);
+  HttpResponse list_jobs(const std::string& tenant, const HttpRequest& request);
   HttpResponse show_job(const HttpRequest& request, const JobName& name);
   HttpResponse show_result(const HttpRequest& request, const JobName& name);
   HttpResponse job_events(const HttpRequest& request, const JobName& name);
@@ -59,8 +69,9 @@ class Api final : public HttpApplication {
   HttpResponse retry_job(const JobName& name);
   HttpResponse delete_job(const JobName& name);
 
-  Result<void> check_room(const HttpRequest& request);
+  Result<void> check_disk(const HttpRequest& request);
   Result<void> check_queue();
+  SubmitLimits limits() const { return {options_.queue_limit, options_.tenant_bytes}; }
   Result<std::shared_ptr<InspectionTask>> line_up(const HttpRequest& request, BodySource& body);
   Result<Submission> submit(const JobName& name, const HttpRequest& request, BodySource& body);
   Result<NewJob> take_in(const JobName& name, const HttpRequest& request, BodySource& body);
@@ -82,11 +93,13 @@ class Api final : public HttpApplication {
   JobBoard& board_;
   Supervisor& supervisor_;
   ServiceMetrics& metrics_;
+  const Gate& gate_;
   const Log& log_;
   const ApiOptions options_;
   const std::stop_token stop_;
   WatchLimit watches_{kMaxWatches};
   KeysInFlight keys_in_flight_;
+  RateLimit rate_limit_;
 };
 
 }  // namespace fairway

@@ -19,7 +19,8 @@ Result<std::shared_ptr<InspectionTask>> Api::line_up(const HttpRequest& request,
       !checked) {
     return checked.error();
   }
-  if (auto room = check_room(request); !room) return room.error();
+  if (auto room = check_disk(request); !room) return room.error();
+  if (auto room = check_queue(); !room) return room.error();
   auto upload =
       receive_upload(request, UploadUse::inspection, body, blobs_, options_.max_mesh_bytes);
   if (!upload) return upload.error();

@@ -59,9 +59,10 @@ Json counts_document(const StateCounts& counts) {
 
 }  // namespace
 
-HttpResponse Api::list_jobs(const HttpRequest& request) {
-  const auto query = job_query(request);
+HttpResponse Api::list_jobs(const std::string& tenant, const HttpRequest& request) {
+  auto query = job_query(request);
   if (!query) return refuse(query.error());
+  query->tenant = tenant;
   const auto page = jobs_.list(*query);
   if (!page) return refuse(page.error());
   const auto counts = jobs_.count(*query);

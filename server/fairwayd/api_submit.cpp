@@ -12,6 +12,7 @@
 #include "server/fairwayd/http_prefer.h"
 #include "server/fairwayd/job_log.h"
 #include "server/fairwayd/job_wait.h"
+#include "server/fairwayd/memory_estimate.h"
 #include "server/fairwayd/result_format.h"
 #include "server/fairwayd/upload.h"
 #include "server/os/random_id.h"
@@ -57,22 +58,26 @@ std::string digest_of(std::initializer_list<std::string_view> texts) {
   return hash.hex();
 }
 
+/// Whether a worker could do the job at all. `memory`: in bytes, of one; 0 = any.
+Result<void> check_memory(const NewJob& job, std::uint64_t memory) {
+  const std::uint64_t needed = least_memory(job.input_format, job.input.bytes);
+  if (memory == 0 || needed <= memory) return {};
+  return Error{ErrorCode::too_large,
+               fmt::format("The mesh needs at least {} bytes of memory, a job here has {}: send it "
+                           "in parts, or have --worker-memory raised.",
+                           needed, memory)};
+}
+
 }  // namespace
 
-HttpResponse Api::submit_job(const HttpRequest& request, BodySource& body) {
-  const auto submitted = submit({.id = random_id()}, request, body);
+HttpResponse Api::submit_job(const JobName& name, const HttpRequest& request, BodySource& body) {
+  const auto submitted = submit(name, request, body);
   if (!submitted) return refuse_upload(submitted.error());
   return job_response(submitted->job, accepted_status(*submitted));
 }
 
-HttpResponse Api::put_job(const std::string& id, const HttpRequest& request, BodySource& body) {
-  const auto submitted = submit({.id = id}, request, body);
-  if (!submitted) return refuse_upload(submitted.error());
-  return job_response(submitted->job, accepted_status(*submitted));
-}
-
-HttpResponse Api::denoise(const HttpRequest& request, BodySource& body) {
-  const auto submitted = submit({.id = random_id()}, request, body);
+HttpResponse Api::denoise(const std::string& tenant, const HttpRequest& request, BodySource& body) {
+  const auto submitted = submit({tenant, random_id()}, request, body);
   if (!submitted) return refuse_upload(submitted.error());
   const Preferences wanted = preferences_of(request);
   const bool at_once = wanted.respond_async && !wanted.wait;
@@ -86,8 +91,8 @@ HttpResponse Api::denoise(const HttpRequest& request, BodySource& body) {
   return response;
 }
 
-/// Whether an upload has a place to be stored in, and one in the queue.
-Result<void> Api::check_room(const HttpRequest& request) {
+/// Whether an upload has a place to be stored in.
+Result<void> Api::check_disk(const HttpRequest& request) {
   const auto left = blobs_.free_bytes();
   if (!left) return left.error();
   const std::uint64_t needed = request.content_length.value_or(0);
@@ -95,7 +100,7 @@ Result<void> Api::check_room(const HttpRequest& request) {
     return Error{ErrorCode::storage_full,
                  fmt::format("{} bytes are left, {} are to be.", *left, options_.min_free_bytes)};
   }
-  return check_queue();
+  return {};
 }
 
 /// Jobs and inspections wait in one queue.
@@ -160,11 +165,20 @@ Result<Submission> Api::submit(const JobName& name, const HttpRequest& request, 
     return Error{ErrorCode::conflict,
                  "The same submit is on its way: ask again when its upload is over."};
   }
-  if (auto room = check_room(request); !room) return room.error();
+  if (auto room = check_disk(request); !room) return room.error();
+  if (auto room = check_queue(); !room) return room.error();
+  if (auto room = jobs_.check_room(name.tenant, request.content_length.value_or(0), limits());
+      !room) {
+    return room.error();
+  }
   auto job = take_in(name, request, body);
   if (!job) return job.error();
   job->idempotency_key = *std::move(key);
-  auto stored = jobs_.submit(*job, options_.queue_limit);
+  if (auto fits = check_memory(*job, options_.worker_memory); !fits) {
+    drop_upload(*job);
+    return fits.error();
+  }
+  auto stored = jobs_.submit(*job, limits());
   if (!stored) {
     drop_upload(*job);
     return stored.error();

@@ -26,6 +26,9 @@ HttpResponse problem_response(const Error& error) {
   response.status = problem_kind(error.code).status;
   response.content_type = kProblemMediaType;
   response.body = dump_json(problem_document(error)) + "\n";
+  if (error.code == ErrorCode::unauthorized) {
+    response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"fairway\"");
+  }
   if (error.code == ErrorCode::queue_full || error.code == ErrorCode::unavailable) {
     response.headers.emplace_back("Retry-After", "2");
   }

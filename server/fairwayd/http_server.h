@@ -35,7 +35,8 @@ std::string to_string(const ListenAddress& address);
 /// A bound, listening TCP socket.
 struct Listener {
   UniqueFd socket;
-  ListenAddress address;  ///< with the port that was found
+  ListenAddress address;     ///< with the port that was found
+  bool is_loopback = false;  ///< nobody beyond this machine reaches it
 };
 
 /// Binds and listens. A port that somebody listens on already is refused, never shared.

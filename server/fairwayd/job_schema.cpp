@@ -8,7 +8,7 @@ namespace fairway {
 namespace {
 
 /// Step n brings user_version n to n + 1. Steps are only ever added.
-constexpr std::array<const char*, 5> kSteps{
+constexpr std::array<const char*, 6> kSteps{
     R"sql(
   CREATE TABLE job (
     seq           INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -130,6 +130,21 @@ constexpr std::array<const char*, 5> kSteps{
     PRIMARY KEY (label, job)
   ) STRICT, WITHOUT ROWID;
   CREATE INDEX job_label_by_job ON job_label (job);
+)sql",
+    R"sql(
+  ALTER TABLE tenant ADD COLUMN most_queued INTEGER CHECK (most_queued >= 1);
+  ALTER TABLE tenant ADD COLUMN most_bytes INTEGER CHECK (most_bytes >= 1);
+  CREATE INDEX job_kept ON job (tenant, input_bytes, result_bytes) WHERE state <> 'expired';
+  CREATE TABLE api_key (
+    id      TEXT NOT NULL PRIMARY KEY,
+    digest  TEXT NOT NULL CHECK (length(digest) = 64),
+    tenant  TEXT NOT NULL REFERENCES tenant (name),
+    scopes  TEXT NOT NULL,
+    label   TEXT NOT NULL,
+    created INTEGER NOT NULL,
+    expires INTEGER,
+    revoked INTEGER
+  ) STRICT;
 )sql"};
 
 }  // namespace

@@ -71,6 +71,12 @@ struct NewJob {
   std::string trace_id = {};
 };
 
+/// What a service takes.
+struct SubmitLimits {
+  std::size_t queue = 256;         ///< jobs that wait, of all tenants
+  std::uint64_t tenant_bytes = 0;  ///< of meshes kept of one tenant, unless it has its own; 0 = any
+};
+
 /// What became of a submit.
 struct Submission {
   Job job;
@@ -141,14 +147,19 @@ class JobStore {
   virtual ~JobStore() = default;
 
   /// Adds a queued job; where it may share and an earlier one of the tenant with the same `content`
-  /// has a result, one that has succeeded with it, and shares its blobs. `queue_limit`: how many
-  /// jobs may be queued. The same idempotency key, or the same id, with the same fingerprint
-  /// returns the job that is there. Errors: queue_full, key_reused (the key came with another
-  /// fingerprint), conflict (the id did), not_found (the input of another job is gone).
-  virtual Result<Submission> submit(const NewJob& job, std::size_t queue_limit) = 0;
+  /// has a result, one that has succeeded with it, and shares its blobs. The same idempotency key,
+  /// or the same id, with the same fingerprint returns the job that is there. Errors: queue_full,
+  /// quota_exceeded, key_reused (the key came with another fingerprint), conflict (the id did),
+  /// not_found (the input of another job is gone).
+  virtual Result<Submission> submit(const NewJob& job, const SubmitLimits& limits) = 0;
 
-  /// How many jobs are queued: lets a server refuse before it reads an upload.
+  /// How many jobs are queued, of all tenants.
   virtual Result<std::size_t> queue_length() = 0;
+
+  /// Lets a server refuse before it reads an upload of `bytes`. Errors: queue_full,
+  /// quota_exceeded.
+  virtual Result<void> check_room(std::string_view tenant, std::uint64_t bytes,
+                                  const SubmitLimits& limits) = 0;
 
   /// How many jobs there are in each state, without reading them.
   virtual Result<JobCounts> counts() = 0;

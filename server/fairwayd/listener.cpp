@@ -24,12 +24,21 @@ Error cannot_listen(const ListenAddress& address, int error_number) {
   return {code, system_sentence("listen on " + to_string(address), error_number)};
 }
 
-std::uint16_t port_of(int socket) {
+/// Says of a listener what its bound socket says.
+void describe(Listener& listener) {
+  constexpr std::uint32_t kLoopbackNet = 127;
   sockaddr_storage name{};
   socklen_t size = sizeof name;
-  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&name), &size) != 0) return 0;
-  if (name.ss_family == AF_INET6) return ntohs(reinterpret_cast<sockaddr_in6*>(&name)->sin6_port);
-  return ntohs(reinterpret_cast<sockaddr_in*>(&name)->sin_port);
+  if (::getsockname(listener.socket.get(), reinterpret_cast<sockaddr*>(&name), &size) != 0) return;
+  if (name.ss_family == AF_INET6) {
+    const auto& six = reinterpret_cast<const sockaddr_in6&>(name);
+    listener.address.port = ntohs(six.sin6_port);
+    listener.is_loopback = IN6_IS_ADDR_LOOPBACK(&six.sin6_addr) != 0;
+  } else {
+    const auto& four = reinterpret_cast<const sockaddr_in&>(name);
+    listener.address.port = ntohs(four.sin_port);
+    listener.is_loopback = ntohl(four.sin_addr.s_addr) >> 24U == kLoopbackNet;
+  }
 }
 
 }  // namespace
@@ -75,7 +84,7 @@ Result<Listener> listen_on(const ListenAddress& address) {
     return cannot_listen(address, errno);
   }
   Listener listener{std::move(fd), address};
-  listener.address.port = port_of(listener.socket.get());
+  describe(listener);
   return listener;
 }
 

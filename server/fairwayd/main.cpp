@@ -9,6 +9,7 @@
 #include "proto/messages/problem.h"
 #include "server/fairwayd/service.h"
 #include "server/fairwayd/settings.h"
+#include "server/fairwayd/tenant_command.h"
 
 namespace {
 
@@ -23,8 +24,15 @@ int main(int count, char** arguments) {
   std::vector<std::string> variables;
   for (char** variable = environ; *variable != nullptr; ++variable)
     variables.emplace_back(*variable);
-  const auto settings = fairway::parse_settings(
-      {arguments + 1, static_cast<std::size_t>(count > 0 ? count - 1 : 0)}, variables);
+  const std::span<const char* const> rest(arguments + 1,
+                                          static_cast<std::size_t>(count > 0 ? count - 1 : 0));
+  if (fairway::is_tenant_command(rest)) {
+    const auto text = fairway::run_tenant_command(rest, variables);
+    if (!text) return complain(text.error());
+    fmt::print("{}", *text);
+    return 0;
+  }
+  const auto settings = fairway::parse_settings(rest, variables);
   if (!settings) return complain(settings.error());
   if (settings->help) {
     fmt::print("{}", fairway::usage_text());

@@ -29,6 +29,7 @@ bool Operations::wants_body(const HttpRequest& request) const {
 
 HttpResponse Operations::answer(const HttpRequest& request, BodySource& body) {
   HttpResponse response = choose(request, body);
+  parts_.cross_origin.mark(request, response);
   if (!response.cause.empty()) {
     parts_.log.write(LogLevel::error, "request_failed",
                      {{"reason", response.cause}, {"trace", request.trace.trace_id}});
@@ -41,10 +42,16 @@ HttpResponse Operations::choose(const HttpRequest& request, BodySource& body) {
   if (route && !is_open(route->place, entrance_)) {
     return problem_response({ErrorCode::not_found, "There is nothing at this path here."});
   }
+  if (route && request.method == "OPTIONS") {
+    return parts_.cross_origin.options(request, route->place);
+  }
+  if (auto allowed = parts_.cross_origin.check(request); !allowed) {
+    return problem_response(allowed.error());
+  }
   if (route && is_allowed(route->place, request.method)) {
     if (route->place == Place::livez) return uncached(json_response(Json{{"status", "alive"}}));
     if (route->place == Place::readyz) return uncached(show_readiness(request));
-    if (route->place == Place::metrics) return uncached(show_metrics());
+    if (route->place == Place::metrics) return uncached(show_metrics(request));
   }
   return parts_.api.answer(request, body);
 }
@@ -65,7 +72,10 @@ HttpResponse Operations::show_readiness(const HttpRequest& request) {
   return json_response(document, ready ? 200 : 503);
 }
 
-HttpResponse Operations::show_metrics() {
+HttpResponse Operations::show_metrics(const HttpRequest& request) {
+  if (const auto caller = parts_.gate.admit(request, Scope::admin); !caller) {
+    return problem_response(caller.error());
+  }
   HttpResponse response;
   response.content_type = kMetricsMediaType;
   response.body = parts_.metrics.text(value_of(parts_.jobs.counts()), wall_clock(),

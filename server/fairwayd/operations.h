@@ -1,6 +1,8 @@
 #pragma once
 
 #include "server/fairwayd/blob_store.h"
+#include "server/fairwayd/cross_origin.h"
+#include "server/fairwayd/gate.h"
 #include "server/fairwayd/http_engine.h"
 #include "server/fairwayd/job_store.h"
 #include "server/fairwayd/log.h"
@@ -11,7 +13,7 @@
 namespace fairway {
 
 /// What stands between a listener and the API: answers what those who run the service ask
-/// (/livez, /readyz, /metrics), and counts and logs every answer.
+/// (/livez, /readyz, /metrics) and what browsers ask (CORS), and counts and logs every answer.
 class Operations final : public HttpApplication {
  public:
   struct Parts {
@@ -19,6 +21,8 @@ class Operations final : public HttpApplication {
     JobStore& jobs;
     BlobStore& blobs;
     Readiness& readiness;
+    const Gate& gate;
+    const CrossOrigin& cross_origin;
     ServiceMetrics& metrics;
     const Log& log;
   };
@@ -34,7 +38,7 @@ class Operations final : public HttpApplication {
  private:
   HttpResponse choose(const HttpRequest& request, BodySource& body);
   HttpResponse show_readiness(const HttpRequest& request);
-  HttpResponse show_metrics();
+  HttpResponse show_metrics(const HttpRequest& request);
 
   const Parts parts_;
   const Entrance entrance_;

@@ -86,6 +86,12 @@ bool is_allowed(Place place, std::string_view method) {
   return lists(allowed_methods(place), method);
 }
 
+std::optional<Scope> needed_scope(Place place, std::string_view method) {
+  if (place == Place::livez || place == Place::readyz) return std::nullopt;
+  if (place == Place::metrics) return Scope::admin;
+  return method == "GET" || method == "HEAD" ? Scope::read : Scope::submit;
+}
+
 bool takes_body(Place place, std::string_view method) {
   return lists(row_of(place).body_methods, method);
 }

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "server/fairwayd/access.h"
+
 namespace fairway {
 
 /// The places of the API. Their paths and methods stand in one table, in routes.cpp.
@@ -48,6 +50,9 @@ std::string_view allowed_methods(Place place);
 
 /// True where the method is one of them.
 bool is_allowed(Place place, std::string_view method);
+
+/// What a key must allow for such a request; nothing where anybody may ask.
+std::optional<Scope> needed_scope(Place place, std::string_view method);
 
 /// True where the place wants the body of such a request.
 bool takes_body(Place place, std::string_view method);

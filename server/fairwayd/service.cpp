@@ -20,6 +20,7 @@
 #include "server/fairwayd/readiness.h"
 #include "server/fairwayd/service_metrics.h"
 #include "server/fairwayd/sqlite_job_store.h"
+#include "server/fairwayd/sqlite_tenant_store.h"
 #include "server/fairwayd/supervisor.h"
 #include "server/fairwayd/sweeper.h"
 #include "server/fairwayd/upload.h"
@@ -69,6 +70,18 @@ SupervisorOptions supervisor_options(const Settings& settings, std::filesystem::
   return options;
 }
 
+ApiOptions api_options(const Settings& settings) {
+  ApiOptions options;
+  options.max_mesh_bytes = settings.max_body;
+  options.queue_limit = settings.queue;
+  options.min_free_bytes = settings.min_free;
+  options.keep = settings.keep;
+  options.worker_memory = settings.worker_memory;
+  options.rate = settings.rate;
+  options.tenant_bytes = settings.quota;
+  return options;
+}
+
 ConnectionLimits connection_limits(const Settings& settings) {
   ConnectionLimits limits;
   limits.body_bytes = settings.max_body + kUploadOverhead;
@@ -109,19 +122,40 @@ struct Ground {
   Listeners listeners;
   std::unique_ptr<JobStore> jobs;
   std::unique_ptr<BlobStore> blobs;
+  std::unique_ptr<TenantStore> tenants;  ///< null where no keys are asked for
 };
+
+/// Without keys the service is for this machine alone, unless somebody says otherwise.
+Result<void> check_protection(const Settings& settings, const Listeners& listeners) {
+  const bool is_local =
+      listeners.main.is_loopback && (!listeners.admin || listeners.admin->is_loopback);
+  if (settings.auth != AuthMode::automatic || is_local) return {};
+  return Error{
+      ErrorCode::usage,
+      "fairwayd would listen beyond this machine, where anybody could use it. Ask for keys "
+      "with --auth keys (fairwayd keys add makes one), or say --auth none where something "
+      "in front of it protects it."};
+}
 
 Result<Ground> prepare(const Settings& settings, const Log& log) {
   auto directory = DataDirectory::open(settings.data);
   if (!directory) return directory.error();
   auto listeners = listen(settings);
   if (!listeners) return listeners.error();
+  if (auto safe = check_protection(settings, *listeners); !safe) return safe.error();
   auto jobs = SqliteJobStore::open(directory->jobs());
   if (!jobs) return jobs.error();
   auto blobs = DirectoryBlobStore::open(directory->blobs(), directory->spool());
   if (!blobs) return blobs.error();
   if (auto done = recover(**jobs, **blobs, log); !done) return done.error();
-  return Ground{*std::move(directory), *std::move(listeners), *std::move(jobs), *std::move(blobs)};
+  Ground ground{*std::move(directory), *std::move(listeners), *std::move(jobs), *std::move(blobs),
+                nullptr};
+  if (settings.auth == AuthMode::keys) {
+    auto tenants = SqliteTenantStore::open(ground.directory.jobs());
+    if (!tenants) return tenants.error();
+    ground.tenants = *std::move(tenants);
+  }
+  return ground;
 }
 
 /// What a running service is made of, in the order of its making.
@@ -129,6 +163,7 @@ struct Service {
   JobStore& jobs;
   BlobStore& blobs;
   Readiness& readiness;
+  const Gate& gate;
   ServiceMetrics& metrics;
   Api& api;
   Supervisor& supervisor;
@@ -148,8 +183,9 @@ void drain(Supervisor& supervisor, const EventFlag& idle, const StopSignals& sig
 /// One listener or two, until a signal comes; then no new connection or request.
 Result<void> serve(const Settings& settings, Service& service, Listeners listeners,
                    const StopSignals& signals, std::stop_source& stop) {
-  const Operations::Parts parts{service.api,       service.jobs,    service.blobs,
-                                service.readiness, service.metrics, service.log};
+  const CrossOrigin cross_origin(settings.cors_origins);
+  const Operations::Parts parts{service.api,  service.jobs, service.blobs,   service.readiness,
+                                service.gate, cross_origin, service.metrics, service.log};
   const ConnectionLimits limits = connection_limits(settings);
   Operations main(parts, listeners.admin ? Entrance::main : Entrance::only);
   Operations administration(parts, Entrance::admin);
@@ -197,13 +233,14 @@ Result<void> run_service(const Settings& settings) {
   ServiceMetrics metrics(FAIRWAY_VERSION);
   const SupervisorOptions options = supervisor_options(settings, *worker);
   Supervisor supervisor(*ground->jobs, *ground->blobs, board, metrics, log, options);
-  Api api(*ground->jobs, *ground->blobs, board, supervisor, metrics, log,
-          {settings.max_body, settings.queue, settings.min_free, settings.keep}, stop.get_token());
+  const Gate gate(ground->tenants.get());
+  Api api(*ground->jobs, *ground->blobs, board, supervisor, metrics, gate, log,
+          api_options(settings), stop.get_token());
   Readiness readiness(*ground->jobs, *ground->blobs, log,
                       {*worker, options.limits, settings.min_free}, stop.get_token());
   const Sweeper sweeper(*ground->jobs, *ground->blobs, board, log, {.forget = settings.forget});
-  Service service{*ground->jobs, *ground->blobs, readiness, metrics, api,
-                  supervisor,    *stopping,      *idle,     log};
+  Service service{*ground->jobs, *ground->blobs, readiness, gate,  metrics,
+                  api,           supervisor,     *stopping, *idle, log};
   auto served = serve(settings, service, std::move(ground->listeners), *signals, stop);
   supervisor.stop();
   if (served) log.write(LogLevel::info, "stopped");

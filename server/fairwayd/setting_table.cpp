@@ -6,6 +6,9 @@
 #include <charconv>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "server/fairwayd/cross_origin.h"
 
 namespace fairway {
 namespace {
@@ -20,9 +23,20 @@ const std::array kRows = {
     SettingRow{"admin-listen", "HOST:PORT",
                "A second address, for /metrics and administration; then they are only there",
                &Settings::admin_listen},
+    SettingRow{"auth", "auto|keys|none",
+               "Whether callers need a key (fairwayd keys); auto: refuse to listen beyond this "
+               "machine",
+               &Settings::auth},
+    SettingRow{"cors-origins", "ORIGINS",
+               "Sites whose pages may use the API, with commas between them; * = all",
+               &Settings::cors_origins},
     SettingRow{"workers", "N", "Jobs that run at a time", &Settings::workers, 1, 1024},
     SettingRow{"queue", "N", "Jobs that may wait; more are answered 429", &Settings::queue, 1,
                1'000'000},
+    SettingRow{"rate", "N", "Submits of a tenant in a minute; more are answered 429; 0 = any",
+               &Settings::rate, 0, 1'000'000},
+    SettingRow{"quota", "BYTES", "Meshes kept of one tenant; more are answered 507; 0 = any",
+               &Settings::quota, 0, kAnyBytes},
     SettingRow{"max-body", "BYTES", "Largest mesh", &Settings::max_body, 1, kAnyBytes},
     SettingRow{"deadline", "SECONDS", "Longest run of one job", &Settings::deadline, 1, kDay},
     SettingRow{"keep", "SECONDS", "How long meshes are kept after a job's end", &Settings::keep, 1,
@@ -39,6 +53,14 @@ const std::array kRows = {
     SettingRow{"worker", "PATH", "The fairway program; default: beside fairwayd",
                &Settings::worker},
 };
+
+struct AuthName {
+  AuthMode mode;
+  std::string_view name;
+};
+constexpr std::array kAuthNames = {AuthName{AuthMode::automatic, "auto"},
+                                   AuthName{AuthMode::keys, "keys"},
+                                   AuthName{AuthMode::none, "none"}};
 
 template <class... Ts>
 struct Overloaded : Ts... {
@@ -66,6 +88,17 @@ Result<ListenAddress> address_in(std::string_view text) {
   auto address = parse_listen_address(text);
   if (address) return address;
   return usage(fmt::format("takes HOST:PORT, such as 127.0.0.1:8080, not \"{}\".", text));
+}
+
+Result<AuthMode> auth_in(std::string_view text) {
+  for (const AuthName& each : kAuthNames) {
+    if (each.name == text) return each.mode;
+  }
+  return usage(fmt::format("takes auto, keys or none, not \"{}\".", text));
+}
+
+std::string_view auth_name(AuthMode mode) {
+  return kAuthNames[static_cast<std::size_t>(mode)].name;
 }
 
 /// Puts a value where it belongs, or says why there is none.
@@ -117,6 +150,10 @@ Result<void> assign(Settings& settings, const SettingRow& row, std::string_view 
             return Result<void>();
           },
           [&](ListenAddress Settings::*to) { return put(address_in(text), settings.*to); },
+          [&](AuthMode Settings::*to) { return put(auth_in(text), settings.*to); },
+          [&](std::vector<std::string> Settings::*to) {
+            return put(parse_origins(text), settings.*to);
+          },
           [&](std::optional<ListenAddress> Settings::*to) {
             if (!text.empty()) return put(address_in(text), settings.*to);
             (settings.*to).reset();
@@ -133,6 +170,10 @@ std::string text_of(const Settings& settings, const SettingRow& row) {
                  },
                  [&](std::filesystem::path Settings::*from) { return (settings.*from).string(); },
                  [&](ListenAddress Settings::*from) { return to_string(settings.*from); },
+                 [&](AuthMode Settings::*from) { return std::string(auth_name(settings.*from)); },
+                 [&](std::vector<std::string> Settings::*from) {
+                   return fmt::format("{}", fmt::join(settings.*from, ","));
+                 },
                  [&](std::optional<ListenAddress> Settings::*from) {
                    return settings.*from ? to_string(*(settings.*from)) : std::string();
                  }},

@@ -52,7 +52,10 @@ struct CommandLine {
         "\nEvery option may also be a variable (--max-body: FAIRWAY_MAX_BODY) or a line of the "
         "file (max-body = 1000).\nA flag wins over a variable, a variable over the file.\n\n"
         "SIGTERM and SIGINT stop it: running jobs may end within --drain seconds; what does not "
-        "goes back\nto the queue and is done after the next start. A second signal ends the wait.");
+        "goes back\nto the queue and is done after the next start. A second signal ends the "
+        "wait.\n\n"
+        "fairwayd keys add|list|revoke: keys for --auth keys. fairwayd tenants list|set: shares of "
+        "the service.");
   }
 
   CLI::App app{"fairwayd: the mesh-denoising service", "fairwayd"};

@@ -14,13 +14,24 @@
 
 namespace fairway {
 
+/// Whether callers must have a key.
+enum class AuthMode : std::uint8_t {
+  automatic,  ///< no, but then the service is refused to listen beyond this machine
+  keys,
+  none,
+};
+
 /// What fairwayd runs with. Every value has a row in setting_table.cpp, which names it.
 struct Settings {
   ListenAddress listen;
   std::optional<ListenAddress> admin_listen;  ///< a listener of its own for metrics
   std::filesystem::path data;
-  std::size_t workers = 1;                               ///< jobs at a time
+  std::size_t workers = 1;  ///< jobs at a time
+  AuthMode auth = AuthMode::automatic;
+  std::vector<std::string> cors_origins;                 ///< see CrossOrigin
   std::size_t queue = 256;                               ///< jobs that may wait
+  std::uint64_t rate = 0;                                ///< submits a minute of a tenant; 0 = any
+  std::uint64_t quota = 0;                               ///< bytes kept of a tenant; 0 = any
   std::uint64_t max_body = std::uint64_t{512} << 20;     ///< bytes of one mesh
   std::chrono::seconds deadline{300};                    ///< of one job, wall clock
   std::chrono::seconds keep{86'400};                     ///< meshes, after a job's end

@@ -150,7 +150,7 @@ Result<Job> SqliteJobStore::retry(const JobName& name, std::size_t queue_limit) 
   if (job->state != JobState::failed && job->state != JobState::canceled) {
     return Error{ErrorCode::conflict, "Only a job that failed or was canceled is done again."};
   }
-  if (auto room = check_room(queue_limit); !room) return room.error();
+  if (auto room = check_queue(job->tenant, queue_limit); !room) return room.error();
   if (auto done = enter_turn(job->tenant); !done) return done.error();
   job->attempt = 1;
   job->started.reset();

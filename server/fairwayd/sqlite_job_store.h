@@ -23,8 +23,10 @@ class SqliteJobStore final : public JobStore {
   /// conflict (written by a newer fairwayd).
   static Result<std::unique_ptr<SqliteJobStore>> open(const std::filesystem::path& path);
 
-  Result<Submission> submit(const NewJob& job, std::size_t queue_limit) override;
+  Result<Submission> submit(const NewJob& job, const SubmitLimits& limits) override;
   Result<std::size_t> queue_length() override;
+  Result<void> check_room(std::string_view tenant, std::uint64_t bytes,
+                          const SubmitLimits& limits) override;
   Result<JobCounts> counts() override;
   Result<void> probe() override;
   Result<Job> find(const JobName& name) override;
@@ -57,7 +59,8 @@ class SqliteJobStore final : public JobStore {
   Result<Job> move_alone(Transaction transaction, Job job, JobState to);
   Result<std::size_t> requeue(std::vector<Job> jobs);
   Result<std::size_t> count_queued();
-  Result<void> check_room(std::size_t queue_limit);
+  Result<void> check_queue(std::string_view tenant, std::size_t queue_limit);
+  Result<void> check_quota(std::string_view tenant, std::uint64_t bytes, std::uint64_t quota);
   Result<std::optional<Job>> find_submitted(const NewJob& job);
   Result<std::optional<Job>> find_content(const NewJob& job);
   Result<std::int64_t> insert(const NewJob& job, const std::optional<Job>& like);

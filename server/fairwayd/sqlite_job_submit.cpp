@@ -1,5 +1,7 @@
 // How jobs come into the store.
 
+#include <fmt/format.h>
+
 #include "server/fairwayd/clocks.h"
 #include "server/fairwayd/job_row.h"
 #include "server/fairwayd/sqlite_job_store.h"
@@ -16,6 +18,13 @@ constexpr std::string_view kFindContent =
     "SELECT " FAIRWAY_JOB_COLUMNS
     " FROM job WHERE tenant = ? AND content = ? AND state = 'succeeded' ORDER BY seq DESC LIMIT 1";
 constexpr std::string_view kCountQueued = "SELECT count(*) FROM job WHERE state = 'queued'";
+constexpr std::string_view kTenantQueue =
+    "SELECT most_queued, (SELECT count(*) FROM job WHERE tenant = name AND state = 'queued') "
+    "FROM tenant WHERE name = ?";
+constexpr std::string_view kTenantBytes = "SELECT most_bytes FROM tenant WHERE name = ?";
+constexpr std::string_view kKeptBytes =
+    "SELECT coalesce(sum(input_bytes + coalesce(result_bytes, 0)), 0) FROM job "
+    "WHERE tenant = ? AND state <> 'expired'";
 constexpr std::string_view kAddTenant =
     "INSERT INTO tenant (name) VALUES (?) ON CONFLICT DO NOTHING";
 // Who was away does not catch up on the turns that he did not want.
@@ -52,7 +61,7 @@ Result<std::optional<Found>> find_one(Query query) {
 
 }  // namespace
 
-Result<Submission> SqliteJobStore::submit(const NewJob& job, std::size_t queue_limit) {
+Result<Submission> SqliteJobStore::submit(const NewJob& job, const SubmitLimits& limits) {
   const std::lock_guard lock(mutex_);
   auto transaction = Transaction::begin(database_);
   if (!transaction) return transaction.error();
@@ -62,7 +71,10 @@ Result<Submission> SqliteJobStore::submit(const NewJob& job, std::size_t queue_l
   auto like = find_content(job);
   if (!like) return like.error();
   if (!*like) {
-    if (auto room = check_room(queue_limit); !room) return room.error();
+    if (auto room = check_queue(job.name.tenant, limits.queue); !room) return room.error();
+  }
+  if (auto room = check_quota(job.name.tenant, job.input.bytes, limits.tenant_bytes); !room) {
+    return room.error();
   }
   if (!job.owns_input) {
     const auto kept = is_needed(job.input.key);
@@ -154,11 +166,47 @@ Result<void> SqliteJobStore::enter_turn(const std::string& tenant) {
   return {};
 }
 
-Result<void> SqliteJobStore::check_room(std::size_t queue_limit) {
+Result<void> SqliteJobStore::check_room(std::string_view tenant, std::uint64_t bytes,
+                                        const SubmitLimits& limits) {
+  const std::lock_guard lock(mutex_);
+  if (auto room = check_queue(tenant, limits.queue); !room) return room;
+  return check_quota(tenant, bytes, limits.tenant_bytes);
+}
+
+Result<void> SqliteJobStore::check_queue(std::string_view tenant, std::size_t queue_limit) {
   const auto queued = count_queued();
   if (!queued) return queued.error();
-  if (*queued < queue_limit) return {};
-  return Error{ErrorCode::queue_full, "The queue is full: try again later."};
+  if (*queued >= queue_limit) {
+    return Error{ErrorCode::queue_full, "The queue is full: try again later."};
+  }
+  Query query = database_.query(kTenantQueue);
+  auto row = query.bind(tenant).step();
+  if (!row) return row.error();
+  if (!*row || query.is_null(0) || query.integer(1) < query.integer(0)) return {};
+  return Error{
+      ErrorCode::queue_full,
+      fmt::format("{} jobs wait, which is all that this tenant may have waiting: try again "
+                  "later.",
+                  query.integer(1))};
+}
+
+/// `quota`: of a tenant that has none of its own; 0: any.
+Result<void> SqliteJobStore::check_quota(std::string_view tenant, std::uint64_t bytes,
+                                         std::uint64_t quota) {
+  Query own = database_.query(kTenantBytes);
+  auto row = own.bind(tenant).step();
+  if (!row) return row.error();
+  const auto most = *row && !own.is_null(0) ? static_cast<std::uint64_t>(own.integer(0)) : quota;
+  if (most == 0) return {};
+  Query query = database_.query(kKeptBytes);
+  if (auto sum = query.bind(tenant).step(); !sum) return sum.error();
+  const auto kept = static_cast<std::uint64_t>(query.integer(0));
+  if (kept <= most && bytes <= most - kept) return {};
+  return Error{
+      ErrorCode::quota_exceeded,
+      fmt::format("{} bytes of {} are kept for this tenant, and {} more would come: delete "
+                  "jobs, or wait until they expire.",
+                  kept, most, bytes)};
 }
 
 Result<std::size_t> SqliteJobStore::count_queued() {

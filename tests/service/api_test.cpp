@@ -48,7 +48,7 @@ class Fixture {
     supervisor_ =
         std::make_unique<Supervisor>(*jobs_, *blobs_, board_, metrics_, log_, SupervisorOptions{});
     api_ =
-        std::make_unique<Api>(*jobs_, *blobs_, board_, *supervisor_, metrics_, log_,
+        std::make_unique<Api>(*jobs_, *blobs_, board_, *supervisor_, metrics_, gate_, log_,
                               ApiOptions{std::uint64_t{1} << 20, queue_limit}, std::stop_token());
   }
 
@@ -70,6 +70,7 @@ class Fixture {
   Log log_{null_.get()};
   JobBoard board_;
   ServiceMetrics metrics_{"test"};
+  const Gate gate_{nullptr};
   std::unique_ptr<JobStore> jobs_;
   std::unique_ptr<BlobStore> blobs_;
   std::unique_ptr<Supervisor> supervisor_;
@@ -94,7 +95,7 @@ TEST_CASE("an upload that loses the race for the last place in the queue keeps n
     other.name.id = random_id();
     other.input = {"in-other", 1, "aa"};
     other.parameters = "{}";
-    REQUIRE(f.jobs().submit(other, 1));
+    REQUIRE(f.jobs().submit(other, {1}));
   });
   CHECK(response.status == 429);
   CHECK(response.close);

@@ -23,7 +23,7 @@ class JobFixture {
     job.name.id = random_id();
     job.input = {"in", 1, "aa"};
     job.parameters = "{}";
-    const auto submitted = jobs_->submit(job, 1);
+    const auto submitted = jobs_->submit(job, {1});
     REQUIRE(submitted);
     job_ = submitted->job;
   }

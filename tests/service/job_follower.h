@@ -14,10 +14,11 @@ inline constexpr std::chrono::seconds kPatience{120};
 
 /// Asks for a job's document until `enough` says so; fails the test after a long while.
 template <class Enough>
-Json follow(const HttpClient& client, const std::string& path, const Enough& enough) {
+Json follow(const HttpClient& client, const std::string& path, const Enough& enough,
+            const HttpClient::Headers& headers = {}) {
   const auto until = std::chrono::steady_clock::now() + kPatience;
   while (true) {
-    const Answer answer = client.get(path);
+    const Answer answer = client.get(path, headers);
     REQUIRE(answer.status == 200);
     Json job = answer.json();
     if (enough(job)) return job;

@@ -46,7 +46,7 @@ class Fixture {
 
   std::string submit() { return submit(new_job(random_id())); }
   std::string submit(const NewJob& job) {
-    const auto submitted = store().submit(job, kRoom);
+    const auto submitted = store().submit(job, {kRoom});
     REQUIRE(submitted);
     CHECK(submitted->is_new);
     CHECK(submitted->job.state == JobState::queued);
@@ -106,9 +106,9 @@ TEST_CASE("a full queue refuses and keeps nothing") {
   f.submit();
   const std::string id = random_id();
   const NewJob late = new_job(id);
-  CHECK(refusal(f.store().submit(late, 1)) == ErrorCode::queue_full);
+  CHECK(refusal(f.store().submit(late, {1})) == ErrorCode::queue_full);
   CHECK(refusal(f.store().find(JobName{.id = id})) == ErrorCode::not_found);
-  CHECK(f.store().submit(late, 2));
+  CHECK(f.store().submit(late, {2}));
 }
 
 TEST_CASE("an id is taken once") {
@@ -116,7 +116,7 @@ TEST_CASE("an id is taken once") {
   const std::string id = f.submit();
   NewJob again = new_job(id);
   again.fingerprint = "another print";
-  CHECK(refusal(f.store().submit(again, kRoom)) == ErrorCode::conflict);
+  CHECK(refusal(f.store().submit(again, {kRoom})) == ErrorCode::conflict);
 }
 
 TEST_CASE("jobs are claimed in the order they came, each once") {
@@ -360,7 +360,7 @@ TEST_CASE("the trace of a submit is kept with the job, also over a restart") {
   const std::string trace(32, 'a');
   NewJob job = new_job(random_id());
   job.trace_id = trace;
-  REQUIRE(f.store().submit(job, kRoom)->job.trace_id == trace);
+  REQUIRE(f.store().submit(job, {kRoom})->job.trace_id == trace);
   f.reopen();
   CHECK(f.find(job.name.id).trace_id == trace);
   CHECK(f.claim().job.trace_id == trace);
@@ -521,21 +521,21 @@ TEST_CASE("one key is one job; with another request it is refused") {
   f.submit(job);
   NewJob again = job;
   again.name.id = random_id();
-  const auto same = f.store().submit(again, kRoom);
+  const auto same = f.store().submit(again, {kRoom});
   REQUIRE(same);
   CHECK_FALSE(same->is_new);
   CHECK(same->job.id == job.name.id);
   again.fingerprint = "other";
-  CHECK(refusal(f.store().submit(again, kRoom)) == ErrorCode::key_reused);
+  CHECK(refusal(f.store().submit(again, {kRoom})) == ErrorCode::key_reused);
   again.name.tenant = "other";
-  CHECK(f.store().submit(again, kRoom)->is_new);
+  CHECK(f.store().submit(again, {kRoom})->is_new);
 }
 
 TEST_CASE("an id of the client's own is one job") {
   Fixture f;
   const NewJob job = new_job("mine");
   f.submit(job);
-  const auto same = f.store().submit(job, kRoom);
+  const auto same = f.store().submit(job, {kRoom});
   REQUIRE(same);
   CHECK_FALSE(same->is_new);
 }
@@ -547,14 +547,14 @@ TEST_CASE("equal content shares the result, and the blobs live as long as either
   f.submit(first);
   NewJob second = new_job("second");
   second.content = "content";
-  CHECK(f.store().submit(second, kRoom)->job.state == JobState::queued);
+  CHECK(f.store().submit(second, {kRoom})->job.state == JobState::queued);
   const Claim claim = f.claim();
   REQUIRE(claim.job.id == "first");
   REQUIRE(f.store().finish(claim.lease, success_of("first")));
 
   NewJob third = new_job("third");
   third.content = "content";
-  const auto shared = f.store().submit(third, 0);
+  const auto shared = f.store().submit(third, {0});
   REQUIRE(shared);
   CHECK(shared->job.state == JobState::succeeded);
   CHECK(shared->job.cached);
@@ -565,11 +565,11 @@ TEST_CASE("equal content shares the result, and the blobs live as long as either
   NewJob anew = new_job("anew");
   anew.content = "content";
   anew.may_share = false;
-  CHECK(f.store().submit(anew, kRoom)->job.state == JobState::queued);
+  CHECK(f.store().submit(anew, {kRoom})->job.state == JobState::queued);
   NewJob elsewhere = new_job("elsewhere");
   elsewhere.content = "content";
   elsewhere.name.tenant = "other";
-  CHECK(f.store().submit(elsewhere, kRoom)->job.state == JobState::queued);
+  CHECK(f.store().submit(elsewhere, {kRoom})->job.state == JobState::queued);
 
   CHECK(f.store().expire({.id = "first"})->blobs.empty());
   CHECK(f.store().expire({.id = "third"})->blobs ==
@@ -579,19 +579,19 @@ TEST_CASE("equal content shares the result, and the blobs live as long as either
 TEST_CASE("failed and canceled jobs are done again, with all their attempts") {
   Fixture f;
   const std::string id = f.submit();
-  CHECK(refusal(f.store().retry({.id = id}, kRoom)) == ErrorCode::conflict);
+  CHECK(refusal(f.store().retry({.id = id}, {kRoom})) == ErrorCode::conflict);
   REQUIRE(f.store().worker_died(f.claim().lease, kCrash));
   REQUIRE(f.store().worker_died(f.claim().lease, kCrash));
   CHECK(refusal(f.store().retry({.id = id}, 0)) == ErrorCode::queue_full);
-  REQUIRE(f.store().retry({.id = id}, kRoom));
+  REQUIRE(f.store().retry({.id = id}, {kRoom}));
   CHECK(f.find(id).state == JobState::queued);
   CHECK(f.find(id).attempt == 1);
   CHECK_FALSE(f.find(id).problem);
   CHECK_FALSE(f.find(id).expires);
   REQUIRE(f.store().cancel({.id = id}));
-  REQUIRE(f.store().retry({.id = id}, kRoom));
+  REQUIRE(f.store().retry({.id = id}, {kRoom}));
   REQUIRE(f.store().finish(f.claim().lease, success_of(id)));
-  CHECK(refusal(f.store().retry({.id = id}, kRoom)) == ErrorCode::conflict);
+  CHECK(refusal(f.store().retry({.id = id}, {kRoom})) == ErrorCode::conflict);
 }
 
 TEST_CASE("a final job is due when its time is over, and is forgotten long after") {
@@ -663,7 +663,7 @@ TEST_CASE("the database itself refuses a state that cannot be") {
   auto store = SqliteJobStore::open(path);
   REQUIRE(store);
   const std::string id = random_id();
-  REQUIRE((*store)->submit(new_job(id), kRoom));
+  REQUIRE((*store)->submit(new_job(id), {kRoom}));
   auto database = Database::open(path);
   REQUIRE(database);
   CHECK(refusal(database->execute("UPDATE job SET state = 'done'")) == ErrorCode::conflict);

@@ -40,7 +40,7 @@ std::uint16_t announced_port(LineReader& lines, const std::string& announced) {
   std::optional<std::string> line;
   while (!(line = lines.next())) REQUIRE(lines.fill() == LineReader::Status::data);
   REQUIRE(line->starts_with(announced));
-  return static_cast<std::uint16_t>(std::stoi(line->substr(announced.size())));
+  return static_cast<std::uint16_t>(std::stoi(line->substr(line->rfind(':') + 1)));
 }
 
 }  // namespace
@@ -53,10 +53,13 @@ ServiceProcess::ServiceProcess(const std::filesystem::path& data,
   REQUIRE(ends);
   const UniqueFd null = open_or_fail("/dev/null", O_RDONLY);
   const UniqueFd log = log_file(log_path);
-  std::vector<std::string> arguments = {"--data", data.string(), "--worker-memory", kWorkerMemory};
-  if (std::find(options.begin(), options.end(), "--listen") == options.end()) {
-    arguments.insert(arguments.end(), {"--listen", "127.0.0.1:0"});
-  }
+  std::vector<std::string> arguments = {"--data", data.string()};
+  const auto add_unless_given = [&](const char* flag, const char* value) {
+    if (std::find(options.begin(), options.end(), flag) != options.end()) return;
+    arguments.insert(arguments.end(), {flag, value});
+  };
+  add_unless_given("--listen", "127.0.0.1:0");
+  add_unless_given("--worker-memory", kWorkerMemory);
   arguments.insert(arguments.end(), options.begin(), options.end());
   auto process = ChildProcess::spawn({FAIRWAY_BIN_DIR "/fairwayd",
                                       arguments,
@@ -66,9 +69,9 @@ ServiceProcess::ServiceProcess(const std::filesystem::path& data,
   process_.emplace(std::move(*process));
   ends->second.reset();
   LineReader lines(ends->first.get(), 1000);
-  port_ = announced_port(lines, "fairwayd: listening on http://127.0.0.1:");
+  port_ = announced_port(lines, "fairwayd: listening on http://");
   if (std::find(options.begin(), options.end(), "--admin-listen") != options.end()) {
-    admin_port_ = announced_port(lines, "fairwayd: administration on http://127.0.0.1:");
+    admin_port_ = announced_port(lines, "fairwayd: administration on http://");
   }
 }
 

@@ -21,11 +21,23 @@ Result<Settings> parse(const std::vector<const char*>& arguments,
 
 /// Every setting with a value that is not its default.
 const std::map<std::string, std::string> kValues = {
-    {"data", "/d"},         {"listen", "[::1]:0"}, {"admin-listen", "127.0.0.1:7"},
-    {"workers", "3"},       {"queue", "4"},        {"max-body", "5"},
-    {"deadline", "6"},      {"keep", "10"},        {"forget", "11"},
-    {"worker-memory", "7"}, {"min-free", "8"},     {"drain", "9"},
+    {"data", "/d"},
+    {"listen", "[::1]:0"},
+    {"admin-listen", "127.0.0.1:7"},
+    {"workers", "3"},
+    {"queue", "4"},
+    {"max-body", "5"},
+    {"deadline", "6"},
+    {"keep", "10"},
+    {"forget", "11"},
+    {"worker-memory", "7"},
+    {"min-free", "8"},
+    {"drain", "9"},
     {"worker", "/w"},
+    {"auth", "keys"},
+    {"cors-origins", "https://a.example,https://b.example"},
+    {"rate", "12"},
+    {"quota", "13"},
 };
 
 std::string file_with(const test::TemporaryDirectory& directory, const std::string& text) {

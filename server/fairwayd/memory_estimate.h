@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+
+#include "proto/messages/format.h"
+
+namespace fairway {
+
+/// Memory in bytes that a job needs at least for a mesh file of so many bytes: from below, so that
+/// a job is refused for it only where it could not be done. A glTF may be mostly images, which are
+/// passed on; the other formats are all mesh.
+std::uint64_t least_memory(Format format, std::uint64_t bytes);
+
+}  // namespace fairway
