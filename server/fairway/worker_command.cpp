@@ -24,6 +24,7 @@
 #include "server/fairway/inspect.h"
 #include "server/fairway/pipeline.h"
 #include "server/os/file.h"
+#include "server/os/kill_point.h"
 #include "server/os/line_reader.h"
 #include "server/os/memory.h"
 
@@ -139,15 +140,19 @@ Result<void> work(const WorkerCommand& command, std::string& trace) {
   const Result<WorkerOrder> order = receive_order();
   if (!order) return order.error();
   trace = order->trace;
+  kill_point("order.received");
   const Result<InputFile> input = InputFile::map(kInput);
   if (!input) return input.error();
   prepare_heap(heap_estimate(input->bytes().size()));
   Result<Outcome> outcome = run_order(*order, input->bytes());
   if (!outcome) return outcome.error();
+  kill_point("output.write");
   if (Result<void> written = write_all(kOutput, outcome->bytes.pieces()); !written) {
     return written;
   }
+  kill_point("output.written");
   send(Finished{outcome->format, std::move(outcome->report)});
+  kill_point("finish.told");
   return {};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -25,6 +26,8 @@
 #include "server/fairwayd/watch_limit.h"
 
 namespace fairway {
+
+struct Upload;
 
 /// How many requests may follow jobs at once; half of the threads that answer.
 inline constexpr std::size_t kMaxWatches = 256;
@@ -70,11 +73,11 @@ class Api final : public HttpApplication {
   HttpResponse delete_job(const JobName& name);
 
   Result<void> check_disk(const HttpRequest& request);
-  Result<void> check_queue();
+  Result<void> check_queue(std::size_t ahead = 0);
   SubmitLimits limits() const { return {options_.queue_limit, options_.tenant_bytes}; }
   Result<std::shared_ptr<InspectionTask>> line_up(const HttpRequest& request, BodySource& body);
   Result<Submission> submit(const JobName& name, const HttpRequest& request, BodySource& body);
-  Result<NewJob> take_in(const JobName& name, const HttpRequest& request, BodySource& body);
+  Result<NewJob> take_in(const JobName& name, const HttpRequest& request, Upload upload);
   void drop_upload(const NewJob& job);
   void remove_blob(const std::string& key);
   Result<Job> cancel(const JobName& name);
@@ -98,6 +101,7 @@ class Api final : public HttpApplication {
   const ApiOptions options_;
   const std::stop_token stop_;
   WatchLimit watches_{kMaxWatches};
+  std::atomic<std::size_t> entering_ = 0;  ///< uploads that are being made durable
   KeysInFlight keys_in_flight_;
   RateLimit rate_limit_;
 };

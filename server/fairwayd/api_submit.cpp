@@ -15,6 +15,7 @@
 #include "server/fairwayd/memory_estimate.h"
 #include "server/fairwayd/result_format.h"
 #include "server/fairwayd/upload.h"
+#include "server/os/kill_point.h"
 #include "server/os/random_id.h"
 #include "server/os/sha256.h"
 
@@ -23,6 +24,22 @@ namespace {
 
 /// Longer than any job: a wait without an end.
 constexpr std::chrono::hours kForever{24 * 365};
+
+/// An upload between its last byte and its row. It is counted, so that one for which there will be
+/// no place is refused before the disk has been waited for.
+class Entering {
+ public:
+  explicit Entering(std::atomic<std::size_t>& count) : count_(count), ahead_(count++) {}
+  Entering(const Entering&) = delete;
+  Entering& operator=(const Entering&) = delete;
+  ~Entering() { --count_; }
+
+  std::size_t ahead() const { return ahead_; }
+
+ private:
+  std::atomic<std::size_t>& count_;
+  const std::size_t ahead_;
+};
 
 bool is_over(const Job& job) {
   return is_final(job.state);
@@ -103,43 +120,41 @@ Result<void> Api::check_disk(const HttpRequest& request) {
   return {};
 }
 
-/// Jobs and inspections wait in one queue.
-Result<void> Api::check_queue() {
+/// Jobs and inspections wait in one queue. `ahead`: those that are about to enter it.
+Result<void> Api::check_queue(std::size_t ahead) {
   const auto queued = jobs_.queue_length();
   if (!queued) return queued.error();
-  if (*queued + supervisor_.waiting_inspections() >= options_.queue_limit) {
+  if (*queued + ahead + supervisor_.waiting_inspections() >= options_.queue_limit) {
     return Error{ErrorCode::queue_full, "The queue is full: try again later."};
   }
   return {};
 }
 
 /// The input, durable, and what is to be done with it.
-Result<NewJob> Api::take_in(const JobName& name, const HttpRequest& request, BodySource& body) {
-  auto upload = receive_upload(request, UploadUse::job, body, blobs_, options_.max_mesh_bytes);
-  if (!upload) return upload.error();
+Result<NewJob> Api::take_in(const JobName& name, const HttpRequest& request, Upload upload) {
   NewJob job;
   job.name = name;
-  job.owns_input = upload->mesh != nullptr;
+  job.owns_input = upload.mesh != nullptr;
   if (!job.owns_input) {
     const auto query = read_upload_query(request, UploadUse::job);
     const auto earlier = jobs_.find_input(name.tenant, query->input_sha256.value_or(""));
     if (!earlier) return earlier.error();
     job.input = earlier->input;
-    upload->format = earlier->input_format;
-    upload->files = earlier->input_files;
+    upload.format = earlier->input_format;
+    upload.files = earlier->input_files;
   }
-  if (auto met = heed_accept(request, *upload); !met) return met.error();
+  if (auto met = heed_accept(request, upload); !met) return met.error();
   if (job.owns_input) {
-    auto input = upload->mesh->commit("in-" + random_id());
+    auto input = upload.mesh->commit("in-" + random_id());
     if (!input) return input.error();
     job.input = *std::move(input);
   }
-  job.input_format = upload->format;
-  job.input_files = upload->files;
-  job.parameters = dump_json(parameters_document(upload->parameters));
-  job.options = upload->options;
-  job.keep = upload->options.ttl.value_or(std::chrono::ceil<std::chrono::seconds>(options_.keep));
-  const std::string& digest = upload->digest.empty() ? job.input.sha256 : upload->digest;
+  job.input_format = upload.format;
+  job.input_files = upload.files;
+  job.parameters = dump_json(parameters_document(upload.parameters));
+  job.options = upload.options;
+  job.keep = upload.options.ttl.value_or(std::chrono::ceil<std::chrono::seconds>(options_.keep));
+  const std::string& digest = upload.digest.empty() ? job.input.sha256 : upload.digest;
   job.content = digest_of({FAIRWAY_VERSION, digest, name_of(job.input_format), job.parameters});
   job.fingerprint = digest_of({job.content, dump_json(job_options_document(job.options))});
   job.trace_id = request.trace.trace_id;
@@ -171,7 +186,11 @@ Result<Submission> Api::submit(const JobName& name, const HttpRequest& request, 
       !room) {
     return room.error();
   }
-  auto job = take_in(name, request, body);
+  auto upload = receive_upload(request, UploadUse::job, body, blobs_, options_.max_mesh_bytes);
+  if (!upload) return upload.error();
+  const Entering entering(entering_);
+  if (auto place = check_queue(entering.ahead()); !place) return place.error();
+  auto job = take_in(name, request, *std::move(upload));
   if (!job) return job.error();
   job->idempotency_key = *std::move(key);
   if (auto fits = check_memory(*job, options_.worker_memory); !fits) {
@@ -190,6 +209,7 @@ Result<Submission> Api::submit(const JobName& name, const HttpRequest& request, 
              {{"bytes", job->input.bytes}, {"cached", stored->job.cached}});
   board_.announce();
   supervisor_.wake();
+  kill_point("submit.answer");
   return stored;
 }
 

@@ -37,8 +37,8 @@ class BlobDraft {
   virtual Result<BlobInfo> commit(std::string_view key) = 0;
 };
 
-/// Where payloads live. Keys are made by the server ("in-<job id>", "out-<job id>-<fence>"), never
-/// from a client's text. All operations may be called from any thread.
+/// Where payloads live. Keys are made by the server ("in-<random>",
+/// "out-<job number>-<fence>-<job id>"). All operations may be called from any thread.
 class BlobStore {
  public:
   virtual ~BlobStore() = default;

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "server/os/file.h"
+#include "server/os/kill_point.h"
 #include "server/os/random_id.h"
 #include "server/os/sha256.h"
 
@@ -35,6 +36,7 @@ class FileDraft final : public BlobDraft {
   int descriptor() const override { return file_.descriptor(); }
 
   Result<void> append(std::span<const std::byte> bytes) override {
+    kill_point("spool.write");
     return write_all(file_.descriptor(), bytes);
   }
 

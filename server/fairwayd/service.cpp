@@ -63,6 +63,8 @@ SupervisorOptions supervisor_options(const Settings& settings, std::filesystem::
   options.slots = settings.workers;
   options.worker = std::move(worker);
   options.owner = kOwner;
+  options.lease = settings.lease;
+  options.heartbeat = options.lease / 3;
   options.limits.address_space = settings.worker_memory;
   options.limits.deadline = settings.deadline;
   // A backstop: the deadline ends a job first unless it keeps every processor busy.

@@ -39,6 +39,8 @@ const std::array kRows = {
                &Settings::quota, 0, kAnyBytes},
     SettingRow{"max-body", "BYTES", "Largest mesh", &Settings::max_body, 1, kAnyBytes},
     SettingRow{"deadline", "SECONDS", "Longest run of one job", &Settings::deadline, 1, kDay},
+    SettingRow{"lease", "SECONDS", "A server that is silent for longer loses the jobs it runs",
+               &Settings::lease, 3, kDay},
     SettingRow{"keep", "SECONDS", "How long meshes are kept after a job's end", &Settings::keep, 1,
                365 * kDay},
     SettingRow{"forget", "SECONDS", "How long an ended job itself is known", &Settings::forget, 1,

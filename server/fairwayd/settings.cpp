@@ -15,6 +15,7 @@
 
 #include "server/fairwayd/setting_table.h"
 #include "server/fairwayd/settings_file.h"
+#include "server/os/kill_point.h"
 
 namespace fairway {
 namespace {
@@ -117,8 +118,9 @@ Result<void> take_variables(Settings& settings, Variables variables) {
     variables.erase(found);
   }
   for (const auto& [name, value] : variables) {
-    const bool foreign = std::find(kForeignVariables.begin(), kForeignVariables.end(), name) !=
-                         kForeignVariables.end();
+    const bool foreign = is_kill_variable(name) ||
+                         std::find(kForeignVariables.begin(), kForeignVariables.end(), name) !=
+                             kForeignVariables.end();
     if (name != kConfigVariable && !foreign) {
       settings.unknown_variables.push_back(name);
     }

@@ -38,6 +38,7 @@ struct Settings {
   std::chrono::seconds forget{30 * 86'400};              ///< the job itself, after its end
   std::uint64_t worker_memory = std::uint64_t{4} << 30;  ///< address space in bytes; 0 = any
   std::uint64_t min_free = std::uint64_t{1} << 30;       ///< bytes left on the disk of `data`
+  std::chrono::seconds lease{30};                        ///< how long a server may be silent
   std::chrono::seconds drain{10};                        ///< for running jobs, at a stop
   std::filesystem::path worker;                          ///< empty: beside fairwayd
 

@@ -7,6 +7,7 @@
 #include "server/fairwayd/job_row.h"
 #include "server/fairwayd/job_schema.h"
 #include "server/fairwayd/job_state.h"
+#include "server/os/kill_point.h"
 
 namespace fairway {
 namespace {
@@ -50,7 +51,10 @@ Result<std::unique_ptr<SqliteJobStore>> SqliteJobStore::open(const std::filesyst
   auto database = Database::open(path);
   if (!database) return database.error();
   if (auto done = migrate_job_schema(*database); !done) return done.error();
-  return std::unique_ptr<SqliteJobStore>(new SqliteJobStore(std::move(*database)));
+  auto reader = Database::open(path);
+  if (!reader) return reader.error();
+  return std::unique_ptr<SqliteJobStore>(
+      new SqliteJobStore(std::move(*database), std::move(*reader)));
 }
 
 Result<std::optional<Claim>> SqliteJobStore::claim(std::string_view owner,
@@ -72,6 +76,7 @@ Result<std::optional<Claim>> SqliteJobStore::claim(std::string_view owner,
                         LeaseHolder{std::string(owner), now + lease.count()});
     if (!running) return running.error();
     claim = Claim{*running, Lease{running->number, running->fence}};
+    kill_point("claim.commit");
   }
   if (auto done = transaction->commit(); !done) return done.error();
   return claim;
@@ -102,7 +107,13 @@ Result<Job> SqliteJobStore::finish(const Lease& lease, const Outcome& outcome) {
   } else {
     job->problem = std::get<Error>(outcome);
   }
-  return move_alone(std::move(*transaction), std::move(*job), end);
+  kill_point("finish.update");
+  auto moved = move(std::move(*job), end);
+  if (!moved) return moved;
+  kill_point("finish.commit");
+  if (auto done = transaction->commit(); !done) return done.error();
+  kill_point("finish.committed");
+  return moved;
 }
 
 Result<Job> SqliteJobStore::give_back(const Lease& lease) {
@@ -150,7 +161,7 @@ Result<Job> SqliteJobStore::retry(const JobName& name, std::size_t queue_limit) 
   if (job->state != JobState::failed && job->state != JobState::canceled) {
     return Error{ErrorCode::conflict, "Only a job that failed or was canceled is done again."};
   }
-  if (auto room = check_queue(job->tenant, queue_limit); !room) return room.error();
+  if (auto room = check_queue(database_, job->tenant, queue_limit); !room) return room.error();
   if (auto done = enter_turn(job->tenant); !done) return done.error();
   job->attempt = 1;
   job->started.reset();

@@ -50,7 +50,8 @@ class SqliteJobStore final : public JobStore {
   Result<std::vector<std::string>> needed_blobs() override;
 
  private:
-  explicit SqliteJobStore(Database database) : database_(std::move(database)) {}
+  SqliteJobStore(Database database, Database reader)
+      : database_(std::move(database)), reader_(std::move(reader)) {}
 
   Result<Job> load(const JobName& name);
   Result<Job> load(std::int64_t number);
@@ -58,9 +59,11 @@ class SqliteJobStore final : public JobStore {
   Result<Job> move(Job job, JobState to, const LeaseHolder& holder = {});
   Result<Job> move_alone(Transaction transaction, Job job, JobState to);
   Result<std::size_t> requeue(std::vector<Job> jobs);
-  Result<std::size_t> count_queued();
-  Result<void> check_queue(std::string_view tenant, std::size_t queue_limit);
-  Result<void> check_quota(std::string_view tenant, std::uint64_t bytes, std::uint64_t quota);
+  static Result<std::size_t> count_queued(Database& database);
+  static Result<void> check_queue(Database& database, std::string_view tenant,
+                                  std::size_t queue_limit);
+  static Result<void> check_quota(Database& database, std::string_view tenant, std::uint64_t bytes,
+                                  std::uint64_t quota);
   Result<std::optional<Job>> find_submitted(const NewJob& job);
   Result<std::optional<Job>> find_content(const NewJob& job);
   Result<std::int64_t> insert(const NewJob& job, const std::optional<Job>& like);
@@ -70,6 +73,9 @@ class SqliteJobStore final : public JobStore {
 
   std::mutex mutex_;
   Database database_;
+  // A refusal must not wait for the disk behind the commits of others.
+  std::mutex reader_mutex_;
+  Database reader_;
 };
 
 }  // namespace fairway

@@ -5,6 +5,7 @@
 #include "server/fairwayd/clocks.h"
 #include "server/fairwayd/job_row.h"
 #include "server/fairwayd/sqlite_job_store.h"
+#include "server/os/kill_point.h"
 
 namespace fairway {
 namespace {
@@ -71,9 +72,11 @@ Result<Submission> SqliteJobStore::submit(const NewJob& job, const SubmitLimits&
   auto like = find_content(job);
   if (!like) return like.error();
   if (!*like) {
-    if (auto room = check_queue(job.name.tenant, limits.queue); !room) return room.error();
+    if (auto room = check_queue(database_, job.name.tenant, limits.queue); !room)
+      return room.error();
   }
-  if (auto room = check_quota(job.name.tenant, job.input.bytes, limits.tenant_bytes); !room) {
+  if (auto room = check_quota(database_, job.name.tenant, job.input.bytes, limits.tenant_bytes);
+      !room) {
     return room.error();
   }
   if (!job.owns_input) {
@@ -86,7 +89,9 @@ Result<Submission> SqliteJobStore::submit(const NewJob& job, const SubmitLimits&
   if (!number) return number.error();
   auto stored = load(*number);
   if (!stored) return stored.error();
+  kill_point("submit.commit");
   if (auto done = transaction->commit(); !done) return done.error();
+  kill_point("submit.committed");
   return Submission{std::move(*stored), true};
 }
 
@@ -168,18 +173,19 @@ Result<void> SqliteJobStore::enter_turn(const std::string& tenant) {
 
 Result<void> SqliteJobStore::check_room(std::string_view tenant, std::uint64_t bytes,
                                         const SubmitLimits& limits) {
-  const std::lock_guard lock(mutex_);
-  if (auto room = check_queue(tenant, limits.queue); !room) return room;
-  return check_quota(tenant, bytes, limits.tenant_bytes);
+  const std::lock_guard lock(reader_mutex_);
+  if (auto room = check_queue(reader_, tenant, limits.queue); !room) return room;
+  return check_quota(reader_, tenant, bytes, limits.tenant_bytes);
 }
 
-Result<void> SqliteJobStore::check_queue(std::string_view tenant, std::size_t queue_limit) {
-  const auto queued = count_queued();
+Result<void> SqliteJobStore::check_queue(Database& database, std::string_view tenant,
+                                         std::size_t queue_limit) {
+  const auto queued = count_queued(database);
   if (!queued) return queued.error();
   if (*queued >= queue_limit) {
     return Error{ErrorCode::queue_full, "The queue is full: try again later."};
   }
-  Query query = database_.query(kTenantQueue);
+  Query query = database.query(kTenantQueue);
   auto row = query.bind(tenant).step();
   if (!row) return row.error();
   if (!*row || query.is_null(0) || query.integer(1) < query.integer(0)) return {};
@@ -191,14 +197,14 @@ Result<void> SqliteJobStore::check_queue(std::string_view tenant, std::size_t qu
 }
 
 /// `quota`: of a tenant that has none of its own; 0: any.
-Result<void> SqliteJobStore::check_quota(std::string_view tenant, std::uint64_t bytes,
-                                         std::uint64_t quota) {
-  Query own = database_.query(kTenantBytes);
+Result<void> SqliteJobStore::check_quota(Database& database, std::string_view tenant,
+                                         std::uint64_t bytes, std::uint64_t quota) {
+  Query own = database.query(kTenantBytes);
   auto row = own.bind(tenant).step();
   if (!row) return row.error();
   const auto most = *row && !own.is_null(0) ? static_cast<std::uint64_t>(own.integer(0)) : quota;
   if (most == 0) return {};
-  Query query = database_.query(kKeptBytes);
+  Query query = database.query(kKeptBytes);
   if (auto sum = query.bind(tenant).step(); !sum) return sum.error();
   const auto kept = static_cast<std::uint64_t>(query.integer(0));
   if (kept <= most && bytes <= most - kept) return {};
@@ -209,16 +215,16 @@ Result<void> SqliteJobStore::check_quota(std::string_view tenant, std::uint64_t 
                   kept, most, bytes)};
 }
 
-Result<std::size_t> SqliteJobStore::count_queued() {
-  Query query = database_.query(kCountQueued);
+Result<std::size_t> SqliteJobStore::count_queued(Database& database) {
+  Query query = database.query(kCountQueued);
   auto row = query.step();
   if (!row) return row.error();
   return static_cast<std::size_t>(query.integer(0));
 }
 
 Result<std::size_t> SqliteJobStore::queue_length() {
-  const std::lock_guard lock(mutex_);
-  return count_queued();
+  const std::lock_guard lock(reader_mutex_);
+  return count_queued(reader_);
 }
 
 }  // namespace fairway

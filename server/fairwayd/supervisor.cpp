@@ -8,6 +8,7 @@
 #include "proto/messages/problem.h"
 #include "server/fairwayd/job_log.h"
 #include "server/fairwayd/stage_clock.h"
+#include "server/os/kill_point.h"
 
 namespace fairway {
 namespace {
@@ -195,6 +196,7 @@ void Supervisor::run(Slot& slot, const Claim& claim, std::stop_token stop) {
 
 void Supervisor::execute(Slot& slot, const Claim& claim, std::stop_token stop) {
   board_.announce();
+  kill_point("claim.committed");
   const Log log = about(log_, claim.job);
   log.write(LogLevel::info, "job_started",
             {{"attempt", claim.job.attempt}, {"bytes", claim.job.input.bytes}});
@@ -286,7 +288,10 @@ void Supervisor::settle(const Claim& claim, WorkerEnd end, BlobDraft& output,
 }
 
 void Supervisor::succeed(const Claim& claim, const Finished& finished, BlobDraft& output) {
-  const std::string key = fmt::format("out-{}-{}", claim.job.id, claim.lease.fence);
+  kill_point("worker.reaped");
+  // The number makes it one of its kind: tenants may use the same ids.
+  const std::string key =
+      fmt::format("out-{}-{}-{}", claim.job.number, claim.lease.fence, claim.job.id);
   auto blob = output.commit(key);
   if (!blob) return fail(claim, blob.error());
   if (blob->bytes == 0) {
@@ -294,6 +299,7 @@ void Supervisor::succeed(const Claim& claim, const Finished& finished, BlobDraft
     return lose_worker(
         claim, {{ErrorCode::worker_crashed, "The worker wrote no result."}, "empty output"});
   }
+  kill_point("result.adopted");
   const Success success{*blob, finished.output, dump_json(finished.report)};
   auto written = insist([&] { return jobs_.finish(claim.lease, success); });
   if (!written && written.error().code == ErrorCode::conflict) {
@@ -327,6 +333,7 @@ void Supervisor::conclude(const Claim& claim, const Result<Job>& written) {
     return;
   }
   board_.announce();
+  kill_point("result.announced");
   const std::string_view problem =
       written->problem ? problem_kind(written->problem->code).slug : "";
   if (is_final(written->state)) {

@@ -12,6 +12,7 @@
 #include <sys/socket.h>
 
 #include "proto/messages/problem.h"
+#include "server/os/kill_point.h"
 #include "server/os/line_reader.h"
 
 namespace fairway {
@@ -36,6 +37,7 @@ SpawnRequest spawn_request(const WorkerTask& task, int socket) {
   }
   request.arguments.push_back("--cpu-seconds");
   request.arguments.push_back(fmt::to_string(task.limits.cpu.count()));
+  request.environment = KillOrder::of_process().for_next_worker();
   request.descriptors = {task.input, task.output, socket};
   return request;
 }
@@ -223,6 +225,7 @@ Result<WorkerEnd> run_worker(const WorkerTask& task, const WorkerWatch& watch) {
   if (!process) return process.error();
   ends->second.reset();  // so that the end of the worker is the end of the stream
   limit_from_outside(process->pid(), task.limits);
+  kill_point("worker.spawned");
   return Conversation(task, watch, *process, ends->first.get()).follow(task.order);
 }
 

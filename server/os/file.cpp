@@ -13,6 +13,8 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include "server/os/kill_point.h"
+
 namespace fairway {
 
 std::string system_sentence(std::string_view doing, int error_number) {
@@ -99,6 +101,7 @@ Result<std::uint64_t> size_of(int fd) {
 Result<AtomicFile> AtomicFile::create(std::filesystem::path temporary) {
   auto fd = open_file(temporary, O_RDWR | O_CREAT | O_EXCL);
   if (!fd) return fd.error();
+  kill_point("file.created");
   return AtomicFile(std::move(temporary), std::move(*fd));
 }
 
@@ -111,6 +114,7 @@ AtomicFile::~AtomicFile() {
 }
 
 Result<void> AtomicFile::rename_to(const std::filesystem::path& final_path) {
+  kill_point("file.rename");
   if (std::rename(temporary_.c_str(), final_path.c_str()) != 0) {
     return file_error("give a file its final name", errno);
   }
@@ -119,10 +123,14 @@ Result<void> AtomicFile::rename_to(const std::filesystem::path& final_path) {
 }
 
 Result<void> AtomicFile::commit(const std::filesystem::path& final_path) {
+  kill_point("file.fsync");
   if (::fsync(fd_.get()) != 0) return file_error("make a file durable", errno);
   if (auto done = rename_to(final_path); !done) return done;
   const std::filesystem::path directory = final_path.parent_path();
-  return sync_directory(directory.empty() ? "." : directory);
+  kill_point("file.sync_directory");
+  if (auto done = sync_directory(directory.empty() ? "." : directory); !done) return done;
+  kill_point("file.synced");
+  return {};
 }
 
 }  // namespace fairway

@@ -1,4 +1,5 @@
 // The contract of JobStore. Every implementation is put through the same cases.
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <set>
@@ -9,6 +10,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include "server/fairwayd/sqlite.h"
 #include "server/fairwayd/sqlite_job_store.h"
 #include "server/os/random_id.h"
 #include "tests/service/temporary_directory.h"
@@ -109,6 +111,29 @@ TEST_CASE("a full queue refuses and keeps nothing") {
   CHECK(refusal(f.store().submit(late, {1})) == ErrorCode::queue_full);
   CHECK(refusal(f.store().find(JobName{.id = id})) == ErrorCode::not_found);
   CHECK(f.store().submit(late, {2}));
+}
+
+TEST_CASE("the length of the queue is told while a submission waits for the disk") {
+  Fixture f;
+  f.submit();
+  auto other = Database::open(f.path());
+  REQUIRE(other);
+  std::atomic<bool> submitted = false;
+  std::jthread submission;
+  {
+    const auto writing = Transaction::begin(*other);
+    REQUIRE(writing);
+    submission = std::jthread(
+        [&] { submitted = static_cast<bool>(f.store().submit(new_job(random_id()), {kRoom})); });
+    // Time to begin to wait; where it is too short, the test passes.
+    std::this_thread::sleep_for(200ms);
+    const auto length = f.store().queue_length();
+    REQUIRE(length);
+    CHECK(*length == 1);
+    CHECK_FALSE(submitted);
+  }
+  submission.join();
+  CHECK(submitted);
 }
 
 TEST_CASE("an id is taken once") {

@@ -38,6 +38,7 @@ const std::map<std::string, std::string> kValues = {
     {"cors-origins", "https://a.example,https://b.example"},
     {"rate", "12"},
     {"quota", "13"},
+    {"lease", "14"},
 };
 
 std::string file_with(const test::TemporaryDirectory& directory, const std::string& text) {
@@ -173,8 +174,9 @@ TEST_CASE("a bad value is refused by its flag, variable or line, also where anot
 }
 
 TEST_CASE("a variable that means nothing is noticed, those of others are not") {
-  const auto settings = parse({"--data", "d"}, {"FAIRWAY_WORKRES=2", "FAIRWAY_SHARED=/x",
-                                                "FAIRWAY_API_KEY=k", "PATH=/bin", "FAIRWAY=1"});
+  const auto settings = parse(
+      {"--data", "d"}, {"FAIRWAY_WORKRES=2", "FAIRWAY_SHARED=/x", "FAIRWAY_API_KEY=k", "PATH=/bin",
+                        "FAIRWAY=1", "FAIRWAY_KILL_AT=file.rename", "FAIRWAY_STOP_AT=file.rename"});
   REQUIRE(settings);
   CHECK(settings->unknown_variables == std::vector<std::string>{"FAIRWAY_WORKRES"});
 }
