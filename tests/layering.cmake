@@ -52,6 +52,8 @@ foreach(room core proto server)
          proto/formats/fresh_gltf.cpp)
   forbid(${room} "sqlite3" "only server/fairwayd/sqlite.cpp includes sqlite"
          server/fairwayd/sqlite.cpp)
+  forbid(${room} "curl/" "only server/fairwayd/webhook_client.cpp includes libcurl"
+         server/fairwayd/webhook_client.cpp)
   forbid(${room} "httplib" "only http_engine.cpp and http_session.cpp include httplib"
          server/fairwayd/http_engine.cpp server/fairway-submit/http_session.cpp)
 endforeach()

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "proto/messages/problem.h"
+#include "proto/messages/webhook_url.h"
 
 namespace fairway {
 namespace {
@@ -44,6 +45,7 @@ Json links_json(const JobFacts& job) {
   if (job.state == JobState::failed || job.state == JobState::canceled) {
     links["retry"] = self + "/retry";
   }
+  if (job.options.webhook) links["deliveries"] = self + "/deliveries";
   return links;
 }
 
@@ -84,6 +86,7 @@ Json job_document(const JobFacts& job) {
   if (job.cached) document["cached"] = true;
   if (job.queue_position) document["queue_position"] = *job.queue_position;
   document.update(job_options_document(job.options));
+  if (job.options.webhook) document["webhook"]["url"] = shown_url(job.options.webhook->url);
   document["input"] = payload_json(job.input);
   document["parameters"] = job.parameters;
   if (job.state == JobState::running && job.progress) {

@@ -49,21 +49,21 @@ struct JobFacts {
   std::optional<UnixMillis> started;
   std::optional<UnixMillis> finished;
   PayloadFacts input;
-  Json parameters;                   ///< as resolved, see parameters_document()
+  Json parameters;  ///< as resolved, see parameters_document()
   JobOptions options;
   bool cached = false;                        ///< the result is that of an earlier job
   std::optional<UnixMillis> expires;          ///< when input and result go
   std::optional<std::size_t> queue_position;  ///< of a queued job among its tenant's, from 1
-  std::optional<Progress> progress;  ///< of a running job
-  std::optional<Error> problem;      ///< why it failed
-  Json report;                       ///< of a succeeded job; null before
+  std::optional<Progress> progress;           ///< of a running job
+  std::optional<Error> problem;               ///< why it failed
+  Json report;                                ///< of a succeeded job; null before
   std::optional<PayloadFacts> result;
 };
 
 /// The job document of the API: id, state, revision, attempt, created, started, finished,
-/// expires_at, cached, queue_position, labels, priority, ttl, deadline, input, parameters, progress,
-/// problem, report, result {bytes, media_type, sha256}, links {self, result, cancel, retry}: only
-/// the links that can be followed now. Total.
+/// expires_at, cached, queue_position, labels, priority, ttl, deadline, webhook {url, without its
+/// query}, input, parameters, progress, problem, report, result {bytes, media_type, sha256}, links
+/// {self, result, cancel, retry, deliveries}: only the links that can be followed now. Total.
 Json job_document(const JobFacts& job);
 
 }  // namespace fairway

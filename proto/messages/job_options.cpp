@@ -1,8 +1,10 @@
 #include "proto/messages/job_options.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "proto/messages/object_reader.h"
+#include "proto/messages/webhook_url.h"
 
 namespace fairway {
 namespace {
@@ -16,6 +18,19 @@ std::optional<std::chrono::seconds> seconds_at(ObjectReader& reader, std::string
   std::optional<int> value;
   reader.integer_or_auto(key, low, high, value);
   return value ? std::optional(std::chrono::seconds(*value)) : std::nullopt;
+}
+
+void read_webhook(ObjectReader& reader, std::optional<Webhook>& target) {
+  if (!reader.holds("webhook")) return;
+  if (!reader.holds_object("webhook")) {
+    return reader.fail("webhook", "must be an object, such as {\"url\": \"https://…\"}");
+  }
+  Webhook webhook;
+  ObjectReader child = reader.object("webhook");
+  child.require("url");
+  child.text("url", webhook_url_complaint, webhook.url);
+  reader.take_error(child);
+  target = std::move(webhook);
 }
 
 }  // namespace
@@ -45,6 +60,7 @@ Result<JobOptions> read_job_options(const Json& json) {
   reader.integer("priority", -kHighestPriority, kHighestPriority, options.priority);
   options.ttl = seconds_at(reader, "ttl", kShortestTtl, kLongestTtl);
   options.deadline = seconds_at(reader, "deadline", 1, kLongestDeadline);
+  read_webhook(reader, options.webhook);
   reader.refuse_unknown_keys();
   if (reader.error()) return *reader.error();
   std::sort(options.labels.begin(), options.labels.end());
@@ -69,6 +85,7 @@ Json job_options_document(const JobOptions& options) {
   if (options.priority != 0) document["priority"] = options.priority;
   if (options.ttl) document["ttl"] = options.ttl->count();
   if (options.deadline) document["deadline"] = options.deadline->count();
+  if (options.webhook) document["webhook"] = Json{{"url", options.webhook->url}};
   return document;
 }
 

@@ -101,6 +101,17 @@ void ObjectReader::integer_or_false(std::string_view key, int low, int high, int
   target = integer_in(key, *json, low, high, ", or false").value_or(target);
 }
 
+void ObjectReader::text(std::string_view key,
+                        const std::function<std::string(std::string_view)>& complain,
+                        std::string& target) {
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  if (!json->is_string()) return fail(key, "must be a string");
+  const auto& value = json->get_ref<const std::string&>();
+  if (const std::string wrong = complain(value); !wrong.empty()) return fail(key, wrong);
+  target = value;
+}
+
 void ObjectReader::strings(std::string_view key,
                            const std::function<std::string(std::string_view)>& accept) {
   const Json* json = find(key);

@@ -70,6 +70,9 @@ class ObjectReader {
     target = value;
   }
 
+  /// A string; `complain` answers an empty text, or what is wrong with it.
+  void text(std::string_view key, const std::function<std::string(std::string_view)>& complain,
+            std::string& target);
   /// An array of strings; `accept` answers an empty text, or what is wrong with this one.
   void strings(std::string_view key, const std::function<std::string(std::string_view)>& accept);
 

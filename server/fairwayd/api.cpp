@@ -28,11 +28,12 @@ Error public_error(const Error& error) {
 
 }  // namespace
 
-Api::Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor,
+Api::Api(JobStore& jobs, BlobStore& blobs, Outbox& outbox, JobBoard& board, Supervisor& supervisor,
          ServiceMetrics& metrics, const Gate& gate, const Log& log, const ApiOptions& options,
          std::stop_token stop)
     : jobs_(jobs),
       blobs_(blobs),
+      outbox_(outbox),
       board_(board),
       supervisor_(supervisor),
       metrics_(metrics),
@@ -109,13 +110,13 @@ HttpResponse Api::answer_place(const Route& route, const std::string& tenant,
     case Place::inspect:
       return inspect(request, body);
     default:
-      return answer_job(route.place, {tenant, route.id}, request, body);
+      return answer_job(route, {tenant, route.id}, request, body);
   }
 }
 
-HttpResponse Api::answer_job(Place place, const JobName& name, const HttpRequest& request,
+HttpResponse Api::answer_job(const Route& route, const JobName& name, const HttpRequest& request,
                              BodySource& body) {
-  switch (place) {
+  switch (route.place) {
     case Place::job:
       if (request.method == "PUT") return submit_job(name, request, body);
       return request.method == "DELETE" ? delete_job(name) : show_job(request, name);
@@ -127,6 +128,10 @@ HttpResponse Api::answer_job(Place place, const JobName& name, const HttpRequest
       return cancel_job(name);
     case Place::job_retry:
       return retry_job(name);
+    case Place::job_deliveries:
+      return list_deliveries(name);
+    case Place::job_redeliver:
+      return redeliver(name, route.delivery);
     default:
       break;  // answered by Operations, in front of this
   }

@@ -19,6 +19,7 @@
 #include "server/fairwayd/job_store.h"
 #include "server/fairwayd/keys_in_flight.h"
 #include "server/fairwayd/log.h"
+#include "server/fairwayd/outbox.h"
 #include "server/fairwayd/rate_limit.h"
 #include "server/fairwayd/routes.h"
 #include "server/fairwayd/service_metrics.h"
@@ -47,7 +48,7 @@ class Api final : public HttpApplication {
  public:
   /// All references must outlive it; `stop` ends the waits of POST /v1/denoise
   /// and POST /v1/inspect.
-  Api(JobStore& jobs, BlobStore& blobs, JobBoard& board, Supervisor& supervisor,
+  Api(JobStore& jobs, BlobStore& blobs, Outbox& outbox, JobBoard& board, Supervisor& supervisor,
       ServiceMetrics& metrics, const Gate& gate, const Log& log, const ApiOptions& options,
       std::stop_token stop);
 
@@ -57,7 +58,7 @@ class Api final : public HttpApplication {
  private:
   HttpResponse answer_place(const Route& route, const std::string& tenant,
                             const HttpRequest& request, BodySource& body);
-  HttpResponse answer_job(Place place, const JobName& name, const HttpRequest& request,
+  HttpResponse answer_job(const Route& route, const JobName& name, const HttpRequest& request,
                           BodySource& body);
   HttpResponse answer_in_limits(const Route& route, const std::string& tenant,
                                 const HttpRequest& request, BodySource& body);
@@ -71,6 +72,8 @@ class Api final : public HttpApplication {
   HttpResponse cancel_job(const JobName& name);
   HttpResponse retry_job(const JobName& name);
   HttpResponse delete_job(const JobName& name);
+  HttpResponse list_deliveries(const JobName& name);
+  HttpResponse redeliver(const JobName& name, const std::string& delivery_id);
 
   Result<void> check_disk(const HttpRequest& request);
   Result<void> check_queue(std::size_t ahead = 0);
@@ -93,6 +96,7 @@ class Api final : public HttpApplication {
 
   JobStore& jobs_;
   BlobStore& blobs_;
+  Outbox& outbox_;
   JobBoard& board_;
   Supervisor& supervisor_;
   ServiceMetrics& metrics_;

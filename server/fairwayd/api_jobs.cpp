@@ -10,6 +10,7 @@
 
 #include "proto/messages/problem.h"
 #include "server/fairwayd/api.h"
+#include "server/fairwayd/job_facts.h"
 #include "server/fairwayd/job_log.h"
 #include "server/fairwayd/job_version.h"
 
@@ -126,29 +127,16 @@ void Api::remove_blob(const std::string& key) {
 }
 
 Json Api::document_of(const Job& job) {
-  JobFacts facts;
-  facts.id = job.id;
-  facts.state = job.state;
-  facts.revision = job.revision;
-  facts.attempt = job.attempt;
-  facts.created = job.created;
-  facts.started = job.started;
-  facts.finished = job.finished;
-  facts.input = {job.input_format, job.input.bytes, job.input.sha256, job.input_files};
+  JobFacts facts = facts_of(job);
   // Both documents were written by this program; one that cannot be read back is shown as null.
   if (auto parameters = parse_json(job.parameters)) facts.parameters = std::move(*parameters);
   if (!job.report.empty()) {
     if (auto report = parse_json(job.report)) facts.report = std::move(*report);
   }
-  facts.options = job.options;
-  facts.cached = job.cached;
-  facts.expires = job.expires;
   if (job.state == JobState::queued) {
     if (const auto before = jobs_.jobs_before(job)) facts.queue_position = *before + 1;
   }
   facts.progress = board_.progress(job.number);
-  facts.problem = job.problem;
-  if (job.result) facts.result = {job.result_format, job.result->bytes, job.result->sha256};
   return job_document(facts);
 }
 

@@ -8,7 +8,7 @@ namespace fairway {
 namespace {
 
 /// Step n brings user_version n to n + 1. Steps are only ever added.
-constexpr std::array<const char*, 6> kSteps{
+constexpr std::array<const char*, 7> kSteps{
     R"sql(
   CREATE TABLE job (
     seq           INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -145,6 +145,50 @@ constexpr std::array<const char*, 6> kSteps{
     expires INTEGER,
     revoked INTEGER
   ) STRICT;
+)sql",
+    // What webhooks are told, and the keys that it is signed with.
+    R"sql(
+  CREATE TABLE webhook_delivery (
+    seq         INTEGER PRIMARY KEY AUTOINCREMENT,
+    id          TEXT NOT NULL UNIQUE,
+    job         INTEGER NOT NULL REFERENCES job (seq) ON DELETE CASCADE,
+    revision    INTEGER NOT NULL,
+    tenant      TEXT NOT NULL,
+    event       TEXT NOT NULL CHECK (event IN ('job.succeeded','job.failed','job.canceled')),
+    url         TEXT NOT NULL,
+    origin      TEXT NOT NULL,
+    payload     TEXT NOT NULL,
+    state       TEXT NOT NULL CHECK (state IN ('pending','delivered','dead')),
+    attempt     INTEGER NOT NULL DEFAULT 0 CHECK (attempt >= 0),
+    fence       INTEGER NOT NULL DEFAULT 0 CHECK (fence >= 0),
+    lease_owner TEXT,
+    lease_until INTEGER,
+    created     INTEGER NOT NULL,
+    next_at     INTEGER,
+    delivered   INTEGER,
+    UNIQUE (job, revision),
+    CHECK ((state = 'pending') = (next_at IS NOT NULL)),
+    CHECK ((state = 'delivered') = (delivered IS NOT NULL)),
+    CHECK (state = 'pending' OR lease_owner IS NULL),
+    CHECK ((lease_owner IS NULL) = (lease_until IS NULL))
+  ) STRICT;
+  CREATE INDEX webhook_delivery_due ON webhook_delivery (next_at) WHERE state = 'pending';
+  CREATE TABLE webhook_attempt (
+    delivery INTEGER NOT NULL REFERENCES webhook_delivery (seq) ON DELETE CASCADE,
+    number   INTEGER NOT NULL,
+    at       INTEGER NOT NULL,
+    took     INTEGER NOT NULL,
+    status   INTEGER,
+    error    TEXT NOT NULL,
+    PRIMARY KEY (delivery, number)
+  ) STRICT, WITHOUT ROWID;
+  CREATE TABLE webhook_secret (
+    tenant  TEXT NOT NULL REFERENCES tenant (name) ON DELETE CASCADE,
+    secret  TEXT NOT NULL,
+    created INTEGER NOT NULL,
+    until   INTEGER
+  ) STRICT;
+  CREATE UNIQUE INDEX webhook_secret_in_force ON webhook_secret (tenant) WHERE until IS NULL;
 )sql"};
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "server/fairwayd/service.h"
 #include "server/fairwayd/settings.h"
 #include "server/fairwayd/tenant_command.h"
+#include "server/fairwayd/webhooks_command.h"
 
 namespace {
 
@@ -31,6 +33,10 @@ int main(int count, char** arguments) {
     if (!text) return complain(text.error());
     fmt::print("{}", *text);
     return 0;
+  }
+  if (!rest.empty() && std::string_view(rest.front()) == "webhooks") {
+    const auto done = fairway::run_webhooks_command(rest.subspan(1), variables);
+    return done ? 0 : complain(done.error());
   }
   const auto settings = fairway::parse_settings(rest, variables);
   if (!settings) return complain(settings.error());

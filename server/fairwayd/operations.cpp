@@ -78,8 +78,9 @@ HttpResponse Operations::show_metrics(const HttpRequest& request) {
   }
   HttpResponse response;
   response.content_type = kMetricsMediaType;
-  response.body = parts_.metrics.text(value_of(parts_.jobs.counts()), wall_clock(),
-                                      value_of(parts_.blobs.free_bytes()));
+  response.body =
+      parts_.metrics.text(value_of(parts_.jobs.counts()), wall_clock(),
+                          value_of(parts_.blobs.free_bytes()), value_of(parts_.outbox.counts()));
   return response;
 }
 

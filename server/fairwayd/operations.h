@@ -6,6 +6,7 @@
 #include "server/fairwayd/http_engine.h"
 #include "server/fairwayd/job_store.h"
 #include "server/fairwayd/log.h"
+#include "server/fairwayd/outbox.h"
 #include "server/fairwayd/readiness.h"
 #include "server/fairwayd/routes.h"
 #include "server/fairwayd/service_metrics.h"
@@ -20,6 +21,7 @@ class Operations final : public HttpApplication {
     HttpApplication& api;
     JobStore& jobs;
     BlobStore& blobs;
+    Outbox& outbox;
     Readiness& readiness;
     const Gate& gate;
     const CrossOrigin& cross_origin;

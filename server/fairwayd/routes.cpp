@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
+#include <vector>
 
 #include "server/fairwayd/job_id.h"
 
@@ -25,25 +27,25 @@ constexpr std::array kRows = {
     Row{Place::job_events, "/v1/jobs/{id}/events", "GET, HEAD"},
     Row{Place::job_cancel, "/v1/jobs/{id}/cancel", "POST"},
     Row{Place::job_retry, "/v1/jobs/{id}/retry", "POST"},
+    Row{Place::job_deliveries, "/v1/jobs/{id}/deliveries", "GET, HEAD"},
+    Row{Place::job_redeliver, "/v1/jobs/{id}/deliveries/{delivery}/redeliver", "POST"},
     Row{Place::denoise, "/v1/denoise", "POST", "POST"},
     Row{Place::inspect, "/v1/inspect", "POST", "POST"},
 };
 
-constexpr std::string_view kId = "{id}";
-
-/// The id that `path` has where the pattern says {id}; "" where that says nothing.
-std::optional<std::string> match(std::string_view pattern, std::string_view path) {
-  const std::size_t at = pattern.find(kId);
-  if (at == std::string_view::npos) {
-    return pattern == path ? std::optional(std::string()) : std::nullopt;
+/// The ids that `path` has where the pattern says {…}, in order.
+std::optional<std::vector<std::string>> match(std::string_view pattern, std::string_view path) {
+  std::vector<std::string> ids;
+  for (std::size_t at = pattern.find('{'); at != std::string_view::npos; at = pattern.find('{')) {
+    if (!path.starts_with(pattern.substr(0, at))) return std::nullopt;
+    path.remove_prefix(at);
+    const std::string_view id = path.substr(0, path.find('/'));
+    if (!is_job_id(id)) return std::nullopt;
+    ids.emplace_back(id);
+    path.remove_prefix(id.size());
+    pattern.remove_prefix(pattern.find('}') + 1);
   }
-  if (!path.starts_with(pattern.substr(0, at))) return std::nullopt;
-  path.remove_prefix(at);
-  const std::string_view id = path.substr(0, path.find('/'));
-  if (!is_job_id(id) || path.substr(id.size()) != pattern.substr(at + kId.size())) {
-    return std::nullopt;
-  }
-  return std::string(id);
+  return pattern == path ? std::optional(std::move(ids)) : std::nullopt;
 }
 
 const Row& row_of(Place place) {
@@ -64,7 +66,10 @@ bool lists(std::string_view methods, std::string_view method) {
 
 std::optional<Route> route_of(std::string_view path) {
   for (const Row& row : kRows) {
-    if (auto id = match(row.path, path)) return Route{row.place, *std::move(id)};
+    auto ids = match(row.path, path);
+    if (!ids) continue;
+    ids->resize(2);
+    return Route{row.place, std::move(ids->at(0)), std::move(ids->at(1))};
   }
   return std::nullopt;
 }

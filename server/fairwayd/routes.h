@@ -10,25 +10,29 @@ namespace fairway {
 
 /// The places of the API. Their paths and methods stand in one table, in routes.cpp.
 enum class Place {
-  livez,       ///< /livez
-  readyz,      ///< /readyz
-  metrics,     ///< /metrics
-  jobs,        ///< /v1/jobs
-  job,         ///< /v1/jobs/{id}
-  job_result,  ///< /v1/jobs/{id}/result
-  job_events,  ///< /v1/jobs/{id}/events
-  job_cancel,  ///< /v1/jobs/{id}/cancel
-  job_retry,   ///< /v1/jobs/{id}/retry
-  denoise,     ///< /v1/denoise
-  inspect,     ///< /v1/inspect
+  livez,           ///< /livez
+  readyz,          ///< /readyz
+  metrics,         ///< /metrics
+  jobs,            ///< /v1/jobs
+  job,             ///< /v1/jobs/{id}
+  job_result,      ///< /v1/jobs/{id}/result
+  job_events,      ///< /v1/jobs/{id}/events
+  job_cancel,      ///< /v1/jobs/{id}/cancel
+  job_retry,       ///< /v1/jobs/{id}/retry
+  job_deliveries,  ///< /v1/jobs/{id}/deliveries
+  job_redeliver,   ///< /v1/jobs/{id}/deliveries/{delivery}/redeliver
+  denoise,         ///< /v1/denoise
+  inspect,         ///< /v1/inspect
 };
 
 struct Route {
   Place place = Place::livez;
-  std::string id;  ///< what stands for {id}, of the shape of an id
+  std::string id = {};        ///< what stands for {id}, of the shape of an id
+  std::string delivery = {};  ///< the same of {delivery}
 };
 
-/// The place of a decoded path; nothing where there is none, or where {id} cannot be an id.
+/// The place of a decoded path; nothing where there is none, or where {id} or {delivery}
+/// cannot be an id.
 std::optional<Route> route_of(std::string_view path);
 
 /// Which listener a request came to.

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <system_error>
@@ -20,11 +21,14 @@
 #include "server/fairwayd/readiness.h"
 #include "server/fairwayd/service_metrics.h"
 #include "server/fairwayd/sqlite_job_store.h"
+#include "server/fairwayd/sqlite_outbox.h"
 #include "server/fairwayd/sqlite_tenant_store.h"
 #include "server/fairwayd/supervisor.h"
 #include "server/fairwayd/sweeper.h"
 #include "server/fairwayd/upload.h"
+#include "server/fairwayd/webhook_sender.h"
 #include "server/os/event_flag.h"
+#include "server/os/random_id.h"
 #include "server/os/stop_signals.h"
 
 namespace fairway {
@@ -69,6 +73,18 @@ SupervisorOptions supervisor_options(const Settings& settings, std::filesystem::
   options.limits.deadline = settings.deadline;
   // A backstop: the deadline ends a job first unless it keeps every processor busy.
   options.limits.cpu = settings.deadline * std::max(1U, std::thread::hardware_concurrency());
+  return options;
+}
+
+WebhookSenderOptions sender_options(const Settings& settings) {
+  WebhookSenderOptions options;
+  options.owner = kOwner;
+  options.version = FAIRWAY_VERSION;
+  options.client.allow_private = settings.webhook_allow_private;
+  options.first_retry = settings.webhook_retry;
+  std::uint64_t seed = 0;
+  fill_randomly(std::as_writable_bytes(std::span(&seed, 1)));
+  options.seed = seed;
   return options;
 }
 
@@ -124,6 +140,7 @@ struct Ground {
   Listeners listeners;
   std::unique_ptr<JobStore> jobs;
   std::unique_ptr<BlobStore> blobs;
+  std::unique_ptr<Outbox> outbox;
   std::unique_ptr<TenantStore> tenants;  ///< null where no keys are asked for
 };
 
@@ -150,8 +167,10 @@ Result<Ground> prepare(const Settings& settings, const Log& log) {
   auto blobs = DirectoryBlobStore::open(directory->blobs(), directory->spool());
   if (!blobs) return blobs.error();
   if (auto done = recover(**jobs, **blobs, log); !done) return done.error();
-  Ground ground{*std::move(directory), *std::move(listeners), *std::move(jobs), *std::move(blobs),
-                nullptr};
+  auto outbox = SqliteOutbox::open(directory->jobs());
+  if (!outbox) return outbox.error();
+  Ground ground{*std::move(directory), *std::move(listeners), *std::move(jobs),
+                *std::move(blobs),     *std::move(outbox),    nullptr};
   if (settings.auth == AuthMode::keys) {
     auto tenants = SqliteTenantStore::open(ground.directory.jobs());
     if (!tenants) return tenants.error();
@@ -164,11 +183,13 @@ Result<Ground> prepare(const Settings& settings, const Log& log) {
 struct Service {
   JobStore& jobs;
   BlobStore& blobs;
+  Outbox& outbox;
   Readiness& readiness;
   const Gate& gate;
   ServiceMetrics& metrics;
   Api& api;
   Supervisor& supervisor;
+  WebhookSender& sender;
   const EventFlag& stopping;  ///< ends connections
   const EventFlag& idle;      ///< raised where a drain has nothing left to wait for
   const Log& log;
@@ -186,8 +207,9 @@ void drain(Supervisor& supervisor, const EventFlag& idle, const StopSignals& sig
 Result<void> serve(const Settings& settings, Service& service, Listeners listeners,
                    const StopSignals& signals, std::stop_source& stop) {
   const CrossOrigin cross_origin(settings.cors_origins);
-  const Operations::Parts parts{service.api,  service.jobs, service.blobs,   service.readiness,
-                                service.gate, cross_origin, service.metrics, service.log};
+  const Operations::Parts parts{service.api,    service.jobs,      service.blobs,
+                                service.outbox, service.readiness, service.gate,
+                                cross_origin,   service.metrics,   service.log};
   const ConnectionLimits limits = connection_limits(settings);
   Operations main(parts, listeners.admin ? Entrance::main : Entrance::only);
   Operations administration(parts, Entrance::admin);
@@ -199,6 +221,7 @@ Result<void> serve(const Settings& settings, Service& service, Listeners listene
                          service.stopping);
   }
   if (auto done = service.supervisor.start(); !done) return done;
+  if (auto done = service.sender.start(); !done) return done;
   server.start();
   if (admin_server) admin_server->start();
   fmt::print("{}", ready);
@@ -236,15 +259,17 @@ Result<void> run_service(const Settings& settings) {
   const SupervisorOptions options = supervisor_options(settings, *worker);
   Supervisor supervisor(*ground->jobs, *ground->blobs, board, metrics, log, options);
   const Gate gate(ground->tenants.get());
-  Api api(*ground->jobs, *ground->blobs, board, supervisor, metrics, gate, log,
+  Api api(*ground->jobs, *ground->blobs, *ground->outbox, board, supervisor, metrics, gate, log,
           api_options(settings), stop.get_token());
   Readiness readiness(*ground->jobs, *ground->blobs, log,
                       {*worker, options.limits, settings.min_free}, stop.get_token());
   const Sweeper sweeper(*ground->jobs, *ground->blobs, board, log, {.forget = settings.forget});
-  Service service{*ground->jobs, *ground->blobs, readiness, gate,  metrics,
-                  api,           supervisor,     *stopping, *idle, log};
+  WebhookSender sender(*ground->outbox, board, metrics, log, sender_options(settings));
+  Service service{*ground->jobs, *ground->blobs, *ground->outbox, readiness, gate,  metrics,
+                  api,           supervisor,     sender,          *stopping, *idle, log};
   auto served = serve(settings, service, std::move(ground->listeners), *signals, stop);
   supervisor.stop();
+  sender.stop();
   if (served) log.write(LogLevel::info, "stopped");
   return served;
 }

@@ -75,6 +75,22 @@ ServiceMetrics::ServiceMetrics(std::string_view version)
                     {}}),
       free_bytes_(
           {Kind::gauge, "fairway_storage_free_bytes", "Space left where meshes are kept.", {}, {}}),
+      webhook_attempts_(
+          {Kind::counter,
+           "fairway_webhook_attempts_total",
+           "Attempts to tell a webhook, by outcome: delivered, retried (later), dead.",
+           {"outcome"},
+           {}}),
+      webhooks_pending_({Kind::gauge,
+                         "fairway_webhook_deliveries_pending",
+                         "Deliveries that their webhooks have not taken yet.",
+                         {},
+                         {}}),
+      webhooks_age_({Kind::gauge,
+                     "fairway_webhook_oldest_pending_age_seconds",
+                     "How long the oldest of them has been pending; 0 where none is.",
+                     {},
+                     {}}),
       requests_({Kind::counter,
                  "fairway_http_requests_total",
                  "Answered requests by route, method and class of status.",
@@ -123,6 +139,10 @@ void ServiceMetrics::inspected(std::string_view outcome) {
   inspections_.add(1, {std::string(outcome)});
 }
 
+void ServiceMetrics::webhook_attempted(std::string_view outcome) {
+  webhook_attempts_.add(1, {std::string(outcome)});
+}
+
 void ServiceMetrics::worker_ended(std::uint64_t peak_resident_bytes) {
   worker_memory_.observe(static_cast<double>(peak_resident_bytes));
 }
@@ -136,16 +156,27 @@ void ServiceMetrics::set_jobs(const JobCounts& jobs, UnixMillis now) {
   queue_age_.set(static_cast<double>(std::max<UnixMillis>(age, 0)) / 1000.0);
 }
 
+void ServiceMetrics::set_outbox(const OutboxCounts& outbox, UnixMillis now) {
+  webhooks_pending_.set(static_cast<double>(outbox.pending));
+  const UnixMillis age = now - outbox.oldest_pending.value_or(now);
+  webhooks_age_.set(static_cast<double>(std::max<UnixMillis>(age, 0)) / 1000.0);
+}
+
 std::string ServiceMetrics::text(const std::optional<JobCounts>& jobs, UnixMillis now,
-                                 const std::optional<std::uint64_t>& free_bytes) {
+                                 const std::optional<std::uint64_t>& free_bytes,
+                                 const std::optional<OutboxCounts>& outbox) {
   if (jobs) set_jobs(*jobs, now);
   if (free_bytes) free_bytes_.set(static_cast<double>(*free_bytes));
   std::string text;
   if (jobs) text += jobs_.text() + queue_depth_.text() + queue_age_.text();
   if (free_bytes) text += free_bytes_.text();
+  if (outbox) {
+    set_outbox(*outbox, now);
+    text += webhooks_pending_.text() + webhooks_age_.text();
+  }
   for (const MetricFamily* family :
        {&build_, &jobs_ended_, &job_time_, &run_time_, &stage_time_, &worker_memory_, &inspections_,
-        &requests_, &request_time_, &bytes_in_, &bytes_out_, &connections_}) {
+        &webhook_attempts_, &requests_, &request_time_, &bytes_in_, &bytes_out_, &connections_}) {
     text += family->text();
   }
   return text;

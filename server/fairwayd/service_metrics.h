@@ -8,6 +8,7 @@
 #include "server/fairwayd/http_message.h"
 #include "server/fairwayd/job_store.h"
 #include "server/fairwayd/metrics.h"
+#include "server/fairwayd/outbox.h"
 #include "server/fairwayd/stage_clock.h"
 
 namespace fairway {
@@ -27,15 +28,19 @@ class ServiceMetrics {
   void job_ran(std::chrono::microseconds took, const StageTimes& stages);
   /// `outcome`: as of job_ended().
   void inspected(std::string_view outcome);
+  /// A webhook was tried. `outcome`: "delivered", "retried" or "dead".
+  void webhook_attempted(std::string_view outcome);
   /// A worker process was reaped.
   void worker_ended(std::uint64_t peak_resident_bytes);
 
   /// The whole text of /metrics. What only the stores know is given: nothing where they fail.
   std::string text(const std::optional<JobCounts>& jobs, UnixMillis now,
-                   const std::optional<std::uint64_t>& free_bytes);
+                   const std::optional<std::uint64_t>& free_bytes,
+                   const std::optional<OutboxCounts>& outbox = {});
 
  private:
   void set_jobs(const JobCounts& jobs, UnixMillis now);
+  void set_outbox(const OutboxCounts& outbox, UnixMillis now);
 
   MetricFamily build_;
   MetricFamily jobs_;
@@ -48,6 +53,9 @@ class ServiceMetrics {
   MetricFamily worker_memory_;
   MetricFamily inspections_;
   MetricFamily free_bytes_;
+  MetricFamily webhook_attempts_;
+  MetricFamily webhooks_pending_;
+  MetricFamily webhooks_age_;
   MetricFamily requests_;
   MetricFamily request_time_;
   MetricFamily bytes_in_;

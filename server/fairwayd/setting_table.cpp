@@ -54,6 +54,13 @@ const std::array kRows = {
                &Settings::drain, 0, kDay},
     SettingRow{"worker", "PATH", "The fairway program; default: beside fairwayd",
                &Settings::worker},
+    SettingRow{"webhook-allow-private", "yes|no",
+               "Whether webhooks may be in networks that are not public, this machine included",
+               &Settings::webhook_allow_private},
+    SettingRow{"webhook-retry", "SECONDS",
+               "First delay of a webhook's nine retries; the others, up to a day for 5, grow with "
+               "it; 0 = all at once",
+               &Settings::webhook_retry, 0, kDay},
 };
 
 struct AuthName {
@@ -90,6 +97,11 @@ Result<ListenAddress> address_in(std::string_view text) {
   auto address = parse_listen_address(text);
   if (address) return address;
   return usage(fmt::format("takes HOST:PORT, such as 127.0.0.1:8080, not \"{}\".", text));
+}
+
+Result<bool> choice_in(std::string_view text) {
+  if (text == "yes" || text == "no") return text == "yes";
+  return usage(fmt::format("takes yes or no, not \"{}\".", text));
 }
 
 Result<AuthMode> auth_in(std::string_view text) {
@@ -160,7 +172,8 @@ Result<void> assign(Settings& settings, const SettingRow& row, std::string_view 
             if (!text.empty()) return put(address_in(text), settings.*to);
             (settings.*to).reset();
             return Result<void>();
-          }},
+          },
+          [&](bool Settings::*to) { return put(choice_in(text), settings.*to); }},
       row.target);
 }
 
@@ -178,7 +191,8 @@ std::string text_of(const Settings& settings, const SettingRow& row) {
                  },
                  [&](std::optional<ListenAddress> Settings::*from) {
                    return settings.*from ? to_string(*(settings.*from)) : std::string();
-                 }},
+                 },
+                 [&](bool Settings::*from) { return std::string(settings.*from ? "yes" : "no"); }},
       row.target);
 }
 

@@ -16,7 +16,7 @@ struct SettingRow {
   using Target = std::variant<std::uint64_t Settings::*, std::chrono::seconds Settings::*,
                               std::filesystem::path Settings::*, ListenAddress Settings::*,
                               std::optional<ListenAddress> Settings::*, AuthMode Settings::*,
-                              std::vector<std::string> Settings::*>;
+                              std::vector<std::string> Settings::*, bool Settings::*>;
 
   std::string_view name;        ///< "max-body": --max-body, FAIRWAY_MAX_BODY, max-body = …
   std::string_view value_name;  ///< of its value in --help

@@ -56,7 +56,8 @@ struct CommandLine {
         "goes back\nto the queue and is done after the next start. A second signal ends the "
         "wait.\n\n"
         "fairwayd keys add|list|revoke: keys for --auth keys. fairwayd tenants list|set: shares of "
-        "the service.");
+        "the service.\nfairwayd webhooks secret show|rotate: the secret that signs webhooks; after "
+        "rotate the old one\nsigns, too, for a day.");
   }
 
   CLI::App app{"fairwayd: the mesh-denoising service", "fairwayd"};

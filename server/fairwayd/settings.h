@@ -41,6 +41,8 @@ struct Settings {
   std::chrono::seconds lease{30};                        ///< how long a server may be silent
   std::chrono::seconds drain{10};                        ///< for running jobs, at a stop
   std::filesystem::path worker;                          ///< empty: beside fairwayd
+  bool webhook_allow_private = false;                    ///< addresses that are not public
+  std::chrono::seconds webhook_retry{5};                 ///< until a webhook is tried again
 
   bool help = false;
   bool version = false;

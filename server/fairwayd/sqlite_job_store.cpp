@@ -7,6 +7,7 @@
 #include "server/fairwayd/job_row.h"
 #include "server/fairwayd/job_schema.h"
 #include "server/fairwayd/job_state.h"
+#include "server/fairwayd/sqlite_outbox.h"
 #include "server/os/kill_point.h"
 
 namespace fairway {
@@ -249,7 +250,8 @@ Result<Job> SqliteJobStore::load_leased(const Lease& lease) {
 }
 
 // The one place that writes states. The revision in the condition makes a forgotten transaction
-// visible: two moves from the same reading cannot both succeed.
+// visible: two moves from the same reading cannot both succeed. What a webhook is to be told of the
+// move stands or falls with it.
 Result<Job> SqliteJobStore::move(Job job, JobState to, const LeaseHolder& holder) {
   if (!may_follow(job.state, to)) {
     return Error{ErrorCode::conflict, "The job is in a state that does not allow this."};
@@ -273,6 +275,7 @@ Result<Job> SqliteJobStore::move(Job job, JobState to, const LeaseHolder& holder
   job.state = to;
   job.revision = query.integer(0);
   job.expires = query.is_null(1) ? std::nullopt : std::optional(query.integer(1));
+  if (auto told = add_delivery(database_, job); !told) return told.error();
   return job;
 }
 

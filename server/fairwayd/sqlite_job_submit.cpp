@@ -5,6 +5,7 @@
 #include "server/fairwayd/clocks.h"
 #include "server/fairwayd/job_row.h"
 #include "server/fairwayd/sqlite_job_store.h"
+#include "server/fairwayd/sqlite_outbox.h"
 #include "server/os/kill_point.h"
 
 namespace fairway {
@@ -89,6 +90,8 @@ Result<Submission> SqliteJobStore::submit(const NewJob& job, const SubmitLimits&
   if (!number) return number.error();
   auto stored = load(*number);
   if (!stored) return stored.error();
+  // One that shares a result has ended by being made.
+  if (auto told = add_delivery(database_, *stored); !told) return told.error();
   kill_point("submit.commit");
   if (auto done = transaction->commit(); !done) return done.error();
   kill_point("submit.committed");

@@ -28,7 +28,7 @@ Error query_error(UploadUse use) {
   return {ErrorCode::bad_request,
           use == UploadUse::job
               ? "The query takes params, with the URL-encoded parameter document, priority, ttl, "
-                "deadline and input, each once, and label as often as needed."
+                "deadline, webhook and input, each once, and label as often as needed."
               : "The query takes one key, params, with the URL-encoded parameter document."};
 }
 
@@ -131,6 +131,8 @@ Result<UploadQuery> read_upload_query(const HttpRequest& request, UploadUse use)
     } else if (for_job && (name == "priority" || name == "ttl" || name == "deadline") &&
                !options.contains(name)) {
       options[name] = number_or_text(value);
+    } else if (for_job && name == "webhook" && !options.contains(name)) {
+      options[name] = Json{{"url", value}};
     } else if (for_job && name == "input" && !query.input_sha256) {
       auto digest = digest_of_input(value);
       if (!digest) return digest.error();

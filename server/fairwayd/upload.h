@@ -25,7 +25,7 @@ inline constexpr std::size_t kMaxUploadParts = 16;
 /// What a query says of an upload.
 struct UploadQuery {
   std::optional<std::string> parameters = {};    ///< ?params=
-  std::optional<JobOptions> options = {};        ///< ?label=…&label=…&priority=&ttl=&deadline=
+  std::optional<JobOptions> options = {};        ///< ?label=…&priority=&ttl=&deadline=&webhook=
   std::optional<std::string> input_sha256 = {};  ///< ?input=sha256:…, in place of a body
 };
 

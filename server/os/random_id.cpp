@@ -13,17 +13,17 @@ namespace {
 constexpr std::string_view kAlphabet =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
 
-void fill(std::span<std::uint8_t> bytes) {
+}  // namespace
+
+void fill_randomly(std::span<std::byte> bytes) {
   // Up to 256 bytes are never cut short once the pool is ready; EINTR happens only before that.
   while (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
   }
 }
 
-}  // namespace
-
 std::string random_id() {
   std::array<std::uint8_t, 16> bytes{};
-  fill(bytes);
+  fill_randomly(std::as_writable_bytes(std::span(bytes)));
   std::string text;
   unsigned bits = 0;
   int count = 0;
@@ -41,7 +41,7 @@ std::string random_hexadecimal(std::size_t bytes) {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::array<std::uint8_t, 256> space{};
   const auto random = std::span(space).first(std::min(bytes, space.size()));
-  fill(random);
+  fill_randomly(std::as_writable_bytes(random));
   std::string text;
   for (const std::uint8_t byte : random) {
     text += kDigits[byte >> 4U];

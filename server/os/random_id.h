@@ -1,10 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace fairway {
+
+/// Fills at most 256 bytes from the kernel's generator.
+void fill_randomly(std::span<std::byte> bytes);
 
 /// Length of a random id in characters.
 inline constexpr std::size_t kRandomIdLength = 22;

@@ -9,6 +9,7 @@
 
 #include "server/fairwayd/directory_blob_store.h"
 #include "server/fairwayd/sqlite_job_store.h"
+#include "server/fairwayd/sqlite_outbox.h"
 #include "server/os/file.h"
 #include "server/os/random_id.h"
 #include "tests/service/sample_glb.h"
@@ -43,13 +44,16 @@ class Fixture {
     auto jobs = SqliteJobStore::open(directory_.path() / "jobs.sqlite");
     auto blobs = DirectoryBlobStore::open(this->blobs(), directory_.path() / "spool");
     REQUIRE((jobs && blobs));
+    auto outbox = SqliteOutbox::open(directory_.path() / "jobs.sqlite");
+    REQUIRE(outbox);
+    outbox_ = std::move(*outbox);
     jobs_ = std::move(*jobs);
     blobs_ = std::move(*blobs);
     supervisor_ =
         std::make_unique<Supervisor>(*jobs_, *blobs_, board_, metrics_, log_, SupervisorOptions{});
-    api_ =
-        std::make_unique<Api>(*jobs_, *blobs_, board_, *supervisor_, metrics_, gate_, log_,
-                              ApiOptions{std::uint64_t{1} << 20, queue_limit}, std::stop_token());
+    api_ = std::make_unique<Api>(*jobs_, *blobs_, *outbox_, board_, *supervisor_, metrics_, gate_,
+                                 log_, ApiOptions{std::uint64_t{1} << 20, queue_limit},
+                                 std::stop_token());
   }
 
   HttpResponse submit(std::function<void()> meanwhile = [] {}) {
@@ -73,6 +77,7 @@ class Fixture {
   const Gate gate_{nullptr};
   std::unique_ptr<JobStore> jobs_;
   std::unique_ptr<BlobStore> blobs_;
+  std::unique_ptr<Outbox> outbox_;
   std::unique_ptr<Supervisor> supervisor_;
   std::unique_ptr<Api> api_;
 };

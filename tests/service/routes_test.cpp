@@ -26,6 +26,9 @@ TEST_CASE("the paths of the API lead to their places") {
   CHECK(place("/v1/jobs/" + id + "/result") == Place::job_result);
   CHECK(place("/v1/jobs/" + id + "/events") == Place::job_events);
   CHECK(place("/v1/jobs/" + id + "/cancel") == Place::job_cancel);
+  CHECK(place("/v1/jobs/" + id + "/deliveries") == Place::job_deliveries);
+  CHECK(place("/v1/jobs/" + id + "/deliveries/msg_1/redeliver") == Place::job_redeliver);
+  CHECK(route_of("/v1/jobs/" + id + "/deliveries/msg_1/redeliver")->delivery == "msg_1");
   CHECK(route_of("/v1/jobs/" + id)->id == id);
 }
 
@@ -39,6 +42,10 @@ TEST_CASE("other paths lead nowhere") {
                                           "/v1/jobs/" + std::string(65, 'x'),
                                           "/v1/jobs/" + id + "/",
                                           "/v1/jobs/" + id + "/result/",
+                                          "/v1/jobs/" + id + "/deliveries/",
+                                          "/v1/jobs/" + id + "/deliveries//redeliver",
+                                          "/v1/jobs/" + id + "/deliveries/a/b/redeliver",
+                                          "/v1/jobs/" + id + "/deliveries/msg_1",
                                           "//v1/jobs",
                                           "/v1/jobs/\n"};
   for (const std::string& path : paths) {

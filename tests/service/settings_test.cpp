@@ -39,6 +39,8 @@ const std::map<std::string, std::string> kValues = {
     {"rate", "12"},
     {"quota", "13"},
     {"lease", "14"},
+    {"webhook-retry", "15"},
+    {"webhook-allow-private", "yes"},
 };
 
 std::string file_with(const test::TemporaryDirectory& directory, const std::string& text) {
@@ -85,6 +87,7 @@ TEST_CASE("a command line that cannot be meant is refused") {
       {"--data", "d", "--listen", "8080"},
       {"--data", "d", "--listen", "host:99999"},
       {"--data", "d", "--listen", ":80"},
+      {"--data", "d", "--webhook-allow-private", "maybe"},
   };
   for (const auto& arguments : broken) {
     const auto settings = parse(arguments);

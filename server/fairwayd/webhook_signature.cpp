@@ -1,0 +1,32 @@
+#include "server/fairwayd/webhook_signature.h"
+
+#include <fmt/format.h>
+
+#include "server/os/hmac.h"
+
+namespace fairway {
+namespace {
+
+constexpr std::string_view kPrefix = "whsec_";
+constexpr std::size_t kSecretBytes = 32;
+
+}  // namespace
+
+std::string new_webhook_secret() {
+  return std::string(kPrefix) + random_base64(kSecretBytes);
+}
+
+std::string webhook_signature(std::span<const std::string> secrets, std::string_view id,
+                              std::int64_t timestamp, std::string_view payload) {
+  const std::string signed_text = fmt::format("{}.{}.{}", id, timestamp, payload);
+  std::string signatures;
+  for (const std::string& secret : secrets) {
+    if (!secret.starts_with(kPrefix)) continue;
+    const auto hash = hmac_sha256(std::string_view(secret).substr(kPrefix.size()), signed_text);
+    if (!hash) continue;
+    signatures += (signatures.empty() ? "v1," : " v1,") + *hash;
+  }
+  return signatures;
+}
+
+}  // namespace fairway
