@@ -23,6 +23,7 @@
 #include "server/fairway/input_file.h"
 #include "server/fairway/inspect.h"
 #include "server/fairway/pipeline.h"
+#include "server/fairway/progress_pace.h"
 #include "server/os/file.h"
 #include "server/os/kill_point.h"
 #include "server/os/line_reader.h"
@@ -92,7 +93,10 @@ struct Outcome {
 Result<Outcome> run_on(std::span<const std::byte> mesh, const WorkerOrder& order,
                        const SideFiles& side_files,
                        const std::function<std::vector<std::string>()>& notes) {
-  const ProgressObserver observer = [](const Progress& progress) { send(progress); };
+  ProgressPace pace;
+  const ProgressObserver observer = [&pace](const Progress& progress) {
+    if (pace.admits(progress)) send(progress);
+  };
   const auto append = [&notes](std::vector<std::string>& to) {
     for (std::string& note : notes()) to.push_back(std::move(note));
   };

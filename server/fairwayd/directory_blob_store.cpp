@@ -44,6 +44,7 @@ class FileDraft final : public BlobDraft {
     if (!is_plain(key)) return bad_key();
     auto bytes = size_of(file_.descriptor());
     if (!bytes) return bytes.error();
+    begin_sync(file_.descriptor());  // the disk writes while the digest is computed
     auto sha256 = sha256_of_file(file_.descriptor());
     if (!sha256) return sha256.error();
     if (auto done = file_.commit(blobs_ / key); !done) return done.error();

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include <httplib.h>
 #include <unistd.h>
@@ -19,6 +20,7 @@ namespace {
 
 constexpr std::size_t kMaxRequestsPerConnection = 1000;
 constexpr std::size_t kFileChunk = 64 * 1024;
+constexpr std::size_t kBodyChunk = 64 * 1024;
 
 /// One request of a connection as the library's stream: the checked head, then the body.
 class RequestStream final : public httplib::Stream {
@@ -71,11 +73,20 @@ class NoBody final : public BodySource {
 
 class LibraryBody final : public BodySource {
  public:
-  LibraryBody(const httplib::ContentReader& reader, bool multipart, const RequestStream& stream)
-      : reader_(reader), multipart_(multipart), stream_(stream) {}
+  LibraryBody(const httplib::ContentReader& reader, bool multipart, const RequestStream& stream,
+              Connection& connection)
+      : reader_(reader), multipart_(multipart), stream_(stream), connection_(connection) {}
 
+  /// Past the library, which would pass a body on in pieces of 4 KiB.
   Result<void> read(const OnBytes& on_bytes) override {
-    return verdict(reader_(receiver(on_bytes)));
+    std::vector<char> space(kBodyChunk);
+    while (true) {
+      const auto got = connection_.read_body(space);
+      if (!got) return got.error();
+      if (*got == 0) return {};
+      auto taken = on_bytes(std::as_bytes(std::span(space).first(*got)));
+      if (!taken) return taken;
+    }
   }
 
   Result<void> read_parts(const OnPart& on_part, const OnBytes& on_bytes) override {
@@ -111,6 +122,7 @@ class LibraryBody final : public BodySource {
   const httplib::ContentReader& reader_;
   bool multipart_;
   const RequestStream& stream_;
+  Connection& connection_;
   std::optional<Error> refused_;
 };
 
@@ -202,7 +214,7 @@ void Talk::set_handlers() {
   const HandlerWithContentReader with_body = [this](const httplib::Request& from,
                                                     httplib::Response& to,
                                                     const httplib::ContentReader& reader) {
-    LibraryBody body(reader, from.is_multipart_form_data(), stream_);
+    LibraryBody body(reader, from.is_multipart_form_data(), stream_, connection_);
     put(application_.answer(request_of(from), body), from, to);
   };
   constexpr const char* kAnyPath = "/.*";

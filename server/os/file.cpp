@@ -98,6 +98,10 @@ Result<std::uint64_t> size_of(int fd) {
   return static_cast<std::uint64_t>(status.st_size);
 }
 
+void begin_sync(int fd) {
+  (void)::sync_file_range(fd, 0, 0, SYNC_FILE_RANGE_WRITE);
+}
+
 Result<AtomicFile> AtomicFile::create(std::filesystem::path temporary) {
   auto fd = open_file(temporary, O_RDWR | O_CREAT | O_EXCL);
   if (!fd) return fd.error();

@@ -39,6 +39,10 @@ Result<void> sync_directory(const std::filesystem::path& directory);
 /// Size of an open regular file in bytes. Errors: io.
 Result<std::uint64_t> size_of(int fd);
 
+/// Has the disk begin with what was written to a file, so that the fsync that follows has less to
+/// wait for. Advice only: where it fails, that fsync tells.
+void begin_sync(int fd);
+
 /// A file under construction: a temporary name until commit() has made content and name durable
 /// (fsync, rename, fsync of the directory). Destroyed before that, it leaves nothing behind.
 class AtomicFile {
