@@ -50,6 +50,7 @@ foreach(room core proto server)
          proto/formats/meshopt_decoder.cpp proto/formats/meshopt_encoder.cpp)
   forbid(${room} "tiny_gltf" "only proto/formats/fresh_gltf.cpp includes tinygltf"
          proto/formats/fresh_gltf.cpp)
+  forbid(${room} "yaml-cpp" "only proto/embed.cpp, of the build, includes yaml-cpp" proto/embed.cpp)
   forbid(${room} "sqlite3" "only server/fairwayd/sqlite.cpp includes sqlite"
          server/fairwayd/sqlite.cpp)
   forbid(${room} "curl/" "only server/fairwayd/webhook_client.cpp includes libcurl"

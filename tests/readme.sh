@@ -52,4 +52,4 @@ while IFS= read -r line; do
   line=${line//http:\/\/127.0.0.1:8080/$url}
   echo "+ $line"
   eval "$line" </dev/null
-done < <(grep -E '^fairway (sample|inspect|denoise|curvature|compare|submit) ' "$readme" | sort -r)
+done < <(grep -E '^fairway (sample|inspect|methods|denoise|curvature|compare|submit)( |$)' "$readme" | sort -r)

@@ -2,11 +2,7 @@
 
 #include "proto/messages/curvature_output.h"
 
-#include <algorithm>
 #include <array>
-#include <string>
-
-#include <fmt/format.h>
 
 namespace fairway {
 namespace {
@@ -22,34 +18,29 @@ constexpr std::array<Named<CurvatureSpace>, 2> kSpaces = {{
     {"world", CurvatureSpace::world},
 }};
 
-std::vector<CurvatureKind> read_curvature(ObjectReader& reader) {
-  std::vector<CurvatureKind> kinds;
-  reader.strings("curvature", [&kinds](std::string_view name) -> std::string {
-    for (std::size_t i = 0; i < kCurvatureNames.size(); ++i) {
-      if (name != kCurvatureNames[i] && name != kAttributeNames[i]) continue;
-      const auto kind = static_cast<CurvatureKind>(i);
-      if (std::find(kinds.begin(), kinds.end(), kind) != kinds.end()) return "is named twice";
-      kinds.push_back(kind);
-      return {};
-    }
-    return fmt::format("must be one of {}", fmt::join(kCurvatureNames, ", "));
-  });
-  std::sort(kinds.begin(), kinds.end());
-  return kinds;
+void read_curvature(ObjectReader& reader, std::vector<CurvatureKind>& kinds) {
+  std::vector<std::size_t> chosen;
+  chosen.reserve(kinds.size());
+  for (const CurvatureKind kind : kinds) chosen.push_back(static_cast<std::size_t>(kind));
+  reader.names("curvature", kCurvatureNames, kAttributeNames, chosen);
+  kinds.clear();
+  for (const std::size_t kind : chosen) kinds.push_back(static_cast<CurvatureKind>(kind));
 }
 
 std::optional<ColorOptions> read_colors(ObjectReader& reader) {
   constexpr std::string_view kKey = "colors";
-  if (!reader.holds_object(kKey)) {
+  std::optional<ColorOptions> colors;
+  const auto read = [&](ObjectReader& members) {
+    ColorOptions given;
+    members.number_or_auto("limit", {1e-30, 1e30}, given.limit);
+    members.boolean("replace", given.replace);
+    colors = given;
+  };
+  reader.object_or(kKey, read, [&] {
     bool wanted = false;
     reader.boolean(kKey, wanted);
-    return wanted ? std::optional(ColorOptions{}) : std::nullopt;
-  }
-  ColorOptions colors;
-  ObjectReader child = reader.object(kKey);
-  child.number_or_auto("limit", {1e-30, 1e30}, colors.limit);
-  child.boolean("replace", colors.replace);
-  reader.take_error(child);
+    colors = wanted ? std::optional(ColorOptions{}) : std::nullopt;
+  });
   return colors;
 }
 
@@ -67,8 +58,7 @@ std::string_view attribute_name(CurvatureKind kind) {
 
 CurvatureOutput read_curvature_output(ObjectReader& reader) {
   CurvatureOutput output;
-  std::vector<CurvatureKind> kinds = read_curvature(reader);
-  if (reader.holds("curvature")) output.kinds = std::move(kinds);
+  read_curvature(reader, output.kinds);
   reader.choice("curvature_space", std::span<const Named<CurvatureSpace>>(kSpaces), output.space);
   output.colors = read_colors(reader);
   return output;

@@ -27,10 +27,7 @@ Encoding read_encoding(ObjectReader& reader) {
   DracoOptions& draco = encoding.draco;
   ObjectReader child = reader.object("draco");
   child.integer("position_bits", 0, kMostBits, draco.position_bits);
-  child.integer("normal_bits", 0, kMostBits, draco.normal_bits);
-  if (draco.normal_bits == 1) {
-    child.fail("normal_bits", "must be 0 (floats as they are) or from 2 to 30");
-  }
+  child.integer_or_zero("normal_bits", 2, kMostBits, draco.normal_bits);
   child.integer("texcoord_bits", 0, kMostBits, draco.texcoord_bits);
   child.integer("curvature_bits", 0, kMostBits, draco.curvature_bits);
   child.integer("level", 0, 10, draco.level);

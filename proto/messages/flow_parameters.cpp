@@ -86,9 +86,7 @@ FlowOptions read_flow(ObjectReader& reader) {
   reader.choice("boundary", std::span<const Named<Boundary>>(kBoundaries), flow.boundary);
   reader.choice("conventions", std::span<const Named<Conventions>>(kConventions), flow.conventions);
   flow.guards = read_guards(reader);
-  if (flow.lambda && flow.feature_angle) {
-    reader.fail("lambda", "stands together with feature_angle; give one of the two");
-  }
+  reader.not_both("lambda", "feature_angle");
   return flow;
 }
 

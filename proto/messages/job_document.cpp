@@ -39,7 +39,7 @@ Json progress_json(const Progress& progress) {
 
 Json links_json(const JobFacts& job) {
   const std::string self = "/v1/jobs/" + job.id;
-  Json links{{"self", self}};
+  Json links{{"self", self}, {"events", self + "/events"}};
   if (job.state == JobState::succeeded) links["result"] = self + "/result";
   if (!is_final(job.state)) links["cancel"] = self + "/cancel";
   if (job.state == JobState::failed || job.state == JobState::canceled) {

@@ -63,7 +63,8 @@ struct JobFacts {
 /// The job document of the API: id, state, revision, attempt, created, started, finished,
 /// expires_at, cached, queue_position, labels, priority, ttl, deadline, webhook {url, without its
 /// query}, input, parameters, progress, problem, report, result {bytes, media_type, sha256}, links
-/// {self, result, cancel, retry, deliveries}: only the links that can be followed now. Total.
+/// {self, events, result, cancel, retry, deliveries}: only the links that can be followed now.
+/// Total.
 Json job_document(const JobFacts& job);
 
 }  // namespace fairway

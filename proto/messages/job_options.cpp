@@ -20,17 +20,20 @@ std::optional<std::chrono::seconds> seconds_at(ObjectReader& reader, std::string
   return value ? std::optional(std::chrono::seconds(*value)) : std::nullopt;
 }
 
-void read_webhook(ObjectReader& reader, std::optional<Webhook>& target) {
-  if (!reader.holds("webhook")) return;
-  if (!reader.holds_object("webhook")) {
-    return reader.fail("webhook", "must be an object, such as {\"url\": \"https://…\"}");
-  }
+void read_webhook(ObjectReader& child, std::optional<Webhook>& target) {
   Webhook webhook;
-  ObjectReader child = reader.object("webhook");
   child.require("url");
-  child.text("url", webhook_url_complaint, webhook.url);
-  reader.take_error(child);
+  child.text("url", {kWebhookUrlPattern, kMaxWebhookUrlBytes}, webhook_url_complaint, webhook.url);
   target = std::move(webhook);
+}
+
+void read_members(ObjectReader& reader, JobOptions& options) {
+  reader.texts("labels", kMaxLabels, "^[A-Za-z0-9._:/@+=-]{1,100}$", &is_label, options.labels);
+  reader.integer("priority", -kHighestPriority, kHighestPriority, options.priority);
+  options.ttl = seconds_at(reader, "ttl", kShortestTtl, kLongestTtl);
+  options.deadline = seconds_at(reader, "deadline", 1, kLongestDeadline);
+  reader.object_if_given("webhook",
+                         [&options](ObjectReader& child) { read_webhook(child, options.webhook); });
 }
 
 }  // namespace
@@ -51,16 +54,7 @@ Result<JobOptions> read_job_options(const Json& json) {
   }
   JobOptions options;
   ObjectReader reader(json, "");
-  reader.strings("labels", [&options](std::string_view label) -> std::string {
-    if (!is_label(label)) return "is no label: up to 100 letters, digits and ._:/@+=-";
-    if (options.labels.size() == kMaxLabels) return "is one label too many: at most 16";
-    options.labels.emplace_back(label);
-    return {};
-  });
-  reader.integer("priority", -kHighestPriority, kHighestPriority, options.priority);
-  options.ttl = seconds_at(reader, "ttl", kShortestTtl, kLongestTtl);
-  options.deadline = seconds_at(reader, "deadline", 1, kLongestDeadline);
-  read_webhook(reader, options.webhook);
+  read_members(reader, options);
   reader.refuse_unknown_keys();
   if (reader.error()) return *reader.error();
   std::sort(options.labels.begin(), options.labels.end());
@@ -77,6 +71,13 @@ Result<JobOptions> parse_job_options(std::string_view text) {
                  "The options of the job cannot be parsed: " + json.error().message};
   }
   return read_job_options(*json);
+}
+
+Json job_options_schema() {
+  ObjectReader reader = ObjectReader::describing();
+  JobOptions options;
+  read_members(reader, options);
+  return reader.schema();
 }
 
 Json job_options_document(const JobOptions& options) {

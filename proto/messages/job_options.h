@@ -43,6 +43,9 @@ Result<JobOptions> read_job_options(const Json& json);
 /// The same of its text; of an empty one what nobody asked for.
 Result<JobOptions> parse_job_options(std::string_view text);
 
+/// What read_job_options() accepts, as JSON Schema (draft 2020-12).
+Json job_options_schema();
+
 /// The same document, with what was not asked for left out. It holds the webhook's whole URL.
 Json job_options_document(const JobOptions& options);
 

@@ -16,22 +16,34 @@ constexpr std::array<Named<Welding>, 2> kWeldings = {{
     {"none", Welding::none},
 }};
 
+constexpr std::array<Named<Format>, 6> kOutputs = {{{"glb", Format::glb},
+                                                    {"gltf", Format::gltf},
+                                                    {"drc", Format::drc},
+                                                    {"ply", Format::ply},
+                                                    {"obj", Format::obj},
+                                                    {"stl", Format::stl}}};
+
 std::optional<Format> read_output(ObjectReader& reader) {
-  constexpr std::array<Named<Format>, 6> kOutputs = {{{"glb", Format::glb},
-                                                      {"gltf", Format::gltf},
-                                                      {"drc", Format::drc},
-                                                      {"ply", Format::ply},
-                                                      {"obj", Format::obj},
-                                                      {"stl", Format::stl}}};
+  constexpr std::span<const Named<Format>> kNames(kOutputs);
   std::optional<Format> format;
-  if (reader.holds_object("output")) {
-    ObjectReader output = reader.object("output");
-    output.choice_or_auto("format", std::span<const Named<Format>>(kOutputs), format);
-    reader.take_error(output);
-  } else {
-    reader.choice_or_auto("output", std::span<const Named<Format>>(kOutputs), format);
-  }
+  reader.object_or(
+      "output", [&](ObjectReader& output) { output.choice_or_auto("format", kNames, format); },
+      [&] { reader.choice_or_auto("output", kNames, format); });
   return format;
+}
+
+Parameters read_parameters(ObjectReader& reader) {
+  Parameters parameters;
+  reader.choice("preset", preset_names(), parameters.preset);
+  parameters.flow = read_flow(reader);
+  parameters.curvature = read_curvature_output(reader);
+  reader.boolean("features", parameters.flow.find_features);
+  parameters.selection = read_selection(reader);
+  parameters.fixed_vertices = read_fixed_vertices(reader);
+  reader.choice("weld", std::span<const Named<Welding>>(kWeldings), parameters.welding);
+  parameters.output = read_output(reader);
+  parameters.encoding = read_encoding(reader);
+  return parameters;
 }
 
 }  // namespace
@@ -47,23 +59,22 @@ Result<Parameters> parse_parameters(std::string_view text) {
     return Error{ErrorCode::invalid_parameters,
                  "The parameter document must be a JSON object, for example {}."};
   }
-  Parameters parameters;
+  fill_from_preset(*json);
   ObjectReader reader(*json, "");
-  parameters.flow = read_flow(reader);
-  parameters.curvature = read_curvature_output(reader);
-  reader.boolean("features", parameters.flow.find_features);
-  parameters.selection = read_selection(reader);
-  parameters.fixed_vertices = read_fixed_vertices(reader);
-  reader.choice("weld", std::span<const Named<Welding>>(kWeldings), parameters.welding);
-  parameters.output = read_output(reader);
-  parameters.encoding = read_encoding(reader);
+  Parameters parameters = read_parameters(reader);
   reader.refuse_unknown_keys();
   if (reader.error()) return *reader.error();
   return parameters;
 }
 
+Json bare_parameter_schema() {
+  ObjectReader reader = ObjectReader::describing();
+  [[maybe_unused]] const Parameters read = read_parameters(reader);
+  return reader.schema();
+}
+
 Json parameters_document(const Parameters& parameters) {
-  Json document = Json::object();
+  Json document = {{"preset", name_of(parameters.preset)}};
   add_flow(parameters.flow, document);
   add_selection(parameters.selection, document);
   add_fixed_vertices(parameters.fixed_vertices, document);

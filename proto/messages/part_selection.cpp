@@ -17,7 +17,7 @@ FixedVertices read_fixed_at_place(ObjectReader& reader, std::size_t most) {
   reader.integer("mesh", 0, kLast, mesh);
   reader.integer("primitive", 0, kLast, primitive);
   reader.require("vertices");
-  reader.indices("vertices", most, fixed.vertices);
+  reader.indices("vertices", {0, most}, fixed.vertices);
   fixed.place = {static_cast<std::size_t>(mesh), static_cast<std::size_t>(primitive)};
   return fixed;
 }
@@ -35,10 +35,7 @@ Json fixed_vertices_document(const std::vector<FixedVertices>& fixed) {
 
 std::vector<Index> read_list(ObjectReader& reader, std::string_view key) {
   std::vector<Index> out;
-  reader.indices(key, kMostSelected, out);
-  if (reader.holds(key) && out.empty()) {
-    reader.fail(key, "must name something; leave it out to denoise every mesh");
-  }
+  reader.indices(key, {1, kMostSelected}, out);
   return out;
 }
 
@@ -47,17 +44,16 @@ std::vector<Index> read_list(ObjectReader& reader, std::string_view key) {
 std::vector<FixedVertices> read_fixed_vertices(ObjectReader& reader) {
   constexpr std::string_view kKey = "fixed_vertices";
   std::vector<FixedVertices> out;
-  if (reader.holds_objects(kKey)) {
-    std::size_t left = kMostFixedVertices;
-    reader.objects(kKey, [&](ObjectReader& item) {
-      out.push_back(read_fixed_at_place(item, left));
-      left -= out.back().vertices.size();
-    });
-  } else {
+  std::size_t left = kMostFixedVertices;
+  const auto read = [&](ObjectReader& item) {
+    out.push_back(read_fixed_at_place(item, left));
+    left -= out.back().vertices.size();
+  };
+  reader.objects_or(kKey, read, [&] {
     FixedVertices fixed;
-    reader.indices(kKey, kMostFixedVertices, fixed.vertices);
+    reader.indices(kKey, {0, kMostFixedVertices}, fixed.vertices);
     if (!fixed.vertices.empty()) out.push_back(std::move(fixed));
-  }
+  });
   return out;
 }
 

@@ -8,6 +8,12 @@ namespace fairway {
 
 inline constexpr std::size_t kMaxWebhookUrlBytes = 2048;
 
+/// What every URL of a webhook matches, as a JSON Schema can say it: which numbers are ports it
+/// leaves open.
+inline constexpr std::string_view kWebhookUrlPattern =
+    R"(^[Hh][Tt][Tt][Pp][Ss]?://([A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\])(:[0-9]+)?)"
+    R"(([/?][A-Za-z0-9._~:/?\[\]@!$&'()*+,;=%-]*)?$)";
+
 /// What keeps a text from being the URL of a webhook, as the rest of a sentence about it that names
 /// the remedy; empty where nothing does. A webhook's URL is absolute, of http or https (RFC 3986),
 /// without user info and fragment.

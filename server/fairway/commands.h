@@ -57,6 +57,12 @@ struct CompareCommand {
 };
 Result<void> run(const CompareCommand& command);
 
+/// `fairway methods`: the flows, presets and parameters.
+struct MethodsCommand {
+  bool json = false;  ///< print the document of proto/messages/method_catalog.h instead of tables
+};
+Result<void> run(const MethodsCommand& command);
+
 /// `fairway worker`: one job of fairwayd, see proto/messages/worker_protocol.h. Returns the exit
 /// code.
 struct WorkerCommand {

@@ -23,6 +23,7 @@ class Tool {
     add_denoise();
     add_curvature();
     add_inspect();
+    add_methods();
     add_sample();
     add_compare();
     add_submit();
@@ -96,6 +97,12 @@ class Tool {
     verb->callback(choose(inspect_));
   }
 
+  void add_methods() {
+    CLI::App* verb = app_.add_subcommand("methods", "List the flows, presets and parameters");
+    verb->add_flag("--json", methods_.json, "Print a JSON document instead of tables");
+    verb->callback(choose(methods_));
+  }
+
   void add_sample() {
     CLI::App* verb = app_.add_subcommand("sample", "Make a noisy mesh to try things on");
     verb->add_option("SHAPE", sample_.shape, "ring, sphere, octahedron, torus or sheet")
@@ -138,6 +145,7 @@ class Tool {
   DenoiseCommand denoise_;
   CurvatureCommand curvature_;
   InspectCommand inspect_;
+  MethodsCommand methods_;
   SampleCommand sample_;
   CompareCommand compare_;
   WorkerCommand worker_;

@@ -54,7 +54,7 @@ HttpResponse Api::answer(const HttpRequest& request, BodySource& body) {
     return problem_response({ErrorCode::not_found, "There is nothing at this path."});
   }
   if (!is_allowed(route->place, request.method)) {
-    const std::string allowed(allowed_methods(route->place));
+    const std::string allowed = allow_header(route->place);
     HttpResponse response = problem_response(
         {ErrorCode::method_not_allowed, fmt::format("This path takes {} only.", allowed)});
     response.headers.emplace_back("Allow", allowed);
@@ -109,6 +109,12 @@ HttpResponse Api::answer_place(const Route& route, const std::string& tenant,
       return denoise(tenant, request, body);
     case Place::inspect:
       return inspect(request, body);
+    case Place::methods:
+    case Place::openapi:
+    case Place::docs:
+    case Place::docs_code:
+    case Place::docs_style:
+      return contract_.answer(route.place);
     default:
       return answer_job(route, {tenant, route.id}, request, body);
   }

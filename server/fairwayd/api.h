@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/fairwayd/blob_store.h"
+#include "server/fairwayd/contract.h"
 #include "server/fairwayd/gate.h"
 #include "server/fairwayd/http_engine.h"
 #include "server/fairwayd/http_message.h"
@@ -77,9 +78,12 @@ class Api final : public HttpApplication {
 
   Result<void> check_disk(const HttpRequest& request);
   Result<void> check_queue(std::size_t ahead = 0);
+  Result<void> check_room(const JobName& name, const HttpRequest& request);
+  Result<bool> came_before(const JobName& name, const HttpRequest& request, const std::string& key);
   SubmitLimits limits() const { return {options_.queue_limit, options_.tenant_bytes}; }
   Result<std::shared_ptr<InspectionTask>> line_up(const HttpRequest& request, BodySource& body);
   Result<Submission> submit(const JobName& name, const HttpRequest& request, BodySource& body);
+  Result<Submission> store(const NewJob& job);
   Result<NewJob> take_in(const JobName& name, const HttpRequest& request, Upload upload);
   void drop_upload(const NewJob& job);
   void remove_blob(const std::string& key);
@@ -105,6 +109,7 @@ class Api final : public HttpApplication {
   const ApiOptions options_;
   const std::stop_token stop_;
   WatchLimit watches_{kMaxWatches};
+  const Contract contract_;
   std::atomic<std::size_t> entering_ = 0;  ///< uploads that are being made durable
   KeysInFlight keys_in_flight_;
   RateLimit rate_limit_;

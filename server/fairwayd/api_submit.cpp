@@ -97,8 +97,9 @@ HttpResponse Api::denoise(const std::string& tenant, const HttpRequest& request,
   const auto submitted = submit({tenant, random_id()}, request, body);
   if (!submitted) return refuse_upload(submitted.error());
   const Preferences wanted = preferences_of(request);
-  const bool at_once = wanted.respond_async && !wanted.wait;
-  HttpResponse response = at_once ? job_response(submitted->job, accepted_status(*submitted))
+  // Where the work is done already there is nothing to wait for: a 200 is always the mesh.
+  const bool at_once = wanted.respond_async && !wanted.wait && !is_over(submitted->job);
+  HttpResponse response = at_once ? job_response(submitted->job, 202)
                                   : wait_for_result(*submitted, request, wanted.wait);
   if (response.status != 202) {
     response.headers.emplace_back("Location", "/v1/jobs/" + submitted->job.id);
@@ -130,6 +131,19 @@ Result<void> Api::check_queue(std::size_t ahead) {
   return {};
 }
 
+/// What can be refused before the mesh is read.
+Result<void> Api::check_room(const JobName& name, const HttpRequest& request) {
+  if (auto place = check_queue(); !place) return place;
+  return jobs_.check_room(name.tenant, request.content_length.value_or(0), limits());
+}
+
+/// Whether there may be a job of an earlier try: it is found in a full queue, too.
+Result<bool> Api::came_before(const JobName& name, const HttpRequest& request,
+                              const std::string& key) {
+  if (key.empty() && request.method != "PUT") return false;
+  return jobs_.has_submit(name, key);
+}
+
 /// The input, durable, and what is to be done with it.
 Result<NewJob> Api::take_in(const JobName& name, const HttpRequest& request, Upload upload) {
   NewJob job;
@@ -156,7 +170,8 @@ Result<NewJob> Api::take_in(const JobName& name, const HttpRequest& request, Upl
   job.keep = upload.options.ttl.value_or(std::chrono::ceil<std::chrono::seconds>(options_.keep));
   const std::string& digest = upload.digest.empty() ? job.input.sha256 : upload.digest;
   job.content = digest_of({FAIRWAY_VERSION, digest, name_of(job.input_format), job.parameters});
-  job.fingerprint = digest_of({job.content, dump_json(job_options_document(job.options))});
+  const std::string_view own_id = request.method == "PUT" ? std::string_view(name.id) : "";
+  job.fingerprint = digest_of({job.content, dump_json(job_options_document(job.options)), own_id});
   job.trace_id = request.trace.trace_id;
   job.may_share = request.header("cache-control").value_or("") != "no-cache";
   return job;
@@ -181,15 +196,18 @@ Result<Submission> Api::submit(const JobName& name, const HttpRequest& request, 
                  "The same submit is on its way: ask again when its upload is over."};
   }
   if (auto room = check_disk(request); !room) return room.error();
-  if (auto room = check_queue(); !room) return room.error();
-  if (auto room = jobs_.check_room(name.tenant, request.content_length.value_or(0), limits());
-      !room) {
-    return room.error();
+  const auto is_repeated = came_before(name, request, *key);
+  if (!is_repeated) return is_repeated.error();
+  if (!*is_repeated) {
+    if (auto room = check_room(name, request); !room) return room.error();
   }
   auto upload = receive_upload(request, UploadUse::job, body, blobs_, options_.max_mesh_bytes);
   if (!upload) return upload.error();
-  const Entering entering(entering_);
-  if (auto place = check_queue(entering.ahead()); !place) return place.error();
+  std::optional<Entering> entering;
+  if (!*is_repeated) {
+    entering.emplace(entering_);
+    if (auto place = check_queue(entering->ahead()); !place) return place.error();
+  }
   auto job = take_in(name, request, *std::move(upload));
   if (!job) return job.error();
   job->idempotency_key = *std::move(key);
@@ -197,16 +215,20 @@ Result<Submission> Api::submit(const JobName& name, const HttpRequest& request, 
     drop_upload(*job);
     return fits.error();
   }
-  auto stored = jobs_.submit(*job, limits());
+  return store(*job);
+}
+
+Result<Submission> Api::store(const NewJob& job) {
+  auto stored = jobs_.submit(job, limits());
   if (!stored) {
-    drop_upload(*job);
+    drop_upload(job);
     return stored.error();
   }
-  if (stored->job.input.key != job->input.key) drop_upload(*job);
+  if (stored->job.input.key != job.input.key) drop_upload(job);
   if (!stored->is_new) return stored;
   about(log_, stored->job)
       .write(LogLevel::info, "job_queued",
-             {{"bytes", job->input.bytes}, {"cached", stored->job.cached}});
+             {{"bytes", job.input.bytes}, {"cached", stored->job.cached}});
   board_.announce();
   supervisor_.wake();
   kill_point("submit.answer");

@@ -72,7 +72,7 @@ HttpResponse CrossOrigin::options(const HttpRequest& request, Place place) const
   constexpr int kNoContent = 204;
   HttpResponse response;
   response.status = kNoContent;
-  const std::string methods = fmt::format("{}, OPTIONS", allowed_methods(place));
+  const std::string methods = allow_header(place);
   response.headers.emplace_back("Allow", methods);
   const auto origin = request.header("origin");
   if (origin && allows(*origin) && request.header("access-control-request-method")) {

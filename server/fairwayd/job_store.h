@@ -153,6 +153,10 @@ class JobStore {
   /// not_found (the input of another job is gone).
   virtual Result<Submission> submit(const NewJob& job, const SubmitLimits& limits) = 0;
 
+  /// Whether the tenant has a job of this id, or of this idempotency key ("": of none). As the next
+  /// two, it waits for nobody's commit.
+  virtual Result<bool> has_submit(const JobName& name, std::string_view key) = 0;
+
   /// How many jobs are queued, of all tenants.
   virtual Result<std::size_t> queue_length() = 0;
 

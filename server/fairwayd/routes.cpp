@@ -31,6 +31,11 @@ constexpr std::array kRows = {
     Row{Place::job_redeliver, "/v1/jobs/{id}/deliveries/{delivery}/redeliver", "POST"},
     Row{Place::denoise, "/v1/denoise", "POST", "POST"},
     Row{Place::inspect, "/v1/inspect", "POST", "POST"},
+    Row{Place::methods, "/v1/methods", "GET, HEAD"},
+    Row{Place::openapi, "/openapi.json", "GET, HEAD"},
+    Row{Place::docs, "/docs", "GET, HEAD"},
+    Row{Place::docs_code, "/docs/app.js", "GET, HEAD"},
+    Row{Place::docs_style, "/docs/style.css", "GET, HEAD"},
 };
 
 /// The ids that `path` has where the pattern says {…}, in order.
@@ -87,18 +92,41 @@ std::string_view allowed_methods(Place place) {
   return row_of(place).methods;
 }
 
+std::string allow_header(Place place) {
+  return std::string(allowed_methods(place)) + ", OPTIONS";
+}
+
 bool is_allowed(Place place, std::string_view method) {
   return lists(allowed_methods(place), method);
 }
 
 std::optional<Scope> needed_scope(Place place, std::string_view method) {
-  if (place == Place::livez || place == Place::readyz) return std::nullopt;
-  if (place == Place::metrics) return Scope::admin;
+  switch (place) {
+    case Place::livez:
+    case Place::readyz:
+    case Place::methods:
+    case Place::openapi:
+    case Place::docs:
+    case Place::docs_code:
+    case Place::docs_style:
+      return std::nullopt;
+    case Place::metrics:
+      return Scope::admin;
+    default:
+      break;
+  }
   return method == "GET" || method == "HEAD" ? Scope::read : Scope::submit;
 }
 
 bool takes_body(Place place, std::string_view method) {
   return lists(row_of(place).body_methods, method);
+}
+
+std::vector<RoutePattern> route_patterns() {
+  std::vector<RoutePattern> patterns;
+  patterns.reserve(kRows.size());
+  for (const Row& row : kRows) patterns.push_back({row.path, row.methods});
+  return patterns;
 }
 
 }  // namespace fairway

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/fairwayd/access.h"
 
@@ -23,6 +24,11 @@ enum class Place {
   job_redeliver,   ///< /v1/jobs/{id}/deliveries/{delivery}/redeliver
   denoise,         ///< /v1/denoise
   inspect,         ///< /v1/inspect
+  methods,         ///< /v1/methods
+  openapi,         ///< /openapi.json
+  docs,            ///< /docs
+  docs_code,       ///< /docs/app.js
+  docs_style,      ///< /docs/style.css
 };
 
 struct Route {
@@ -49,8 +55,11 @@ bool is_open(Place place, Entrance entrance);
 /// The path of a place as the table has it: "/v1/jobs/{id}".
 std::string_view pattern_of(Place place);
 
-/// The methods of a place, as in an Allow header: "GET, HEAD, POST".
+/// The methods of a place: "GET, HEAD, POST".
 std::string_view allowed_methods(Place place);
+
+/// The same as an Allow header has them: with OPTIONS, which every place is asked with.
+std::string allow_header(Place place);
 
 /// True where the method is one of them.
 bool is_allowed(Place place, std::string_view method);
@@ -60,5 +69,14 @@ std::optional<Scope> needed_scope(Place place, std::string_view method);
 
 /// True where the place wants the body of such a request.
 bool takes_body(Place place, std::string_view method);
+
+/// A path with {id} as it stands in the table, and its methods.
+struct RoutePattern {
+  std::string_view path;
+  std::string_view methods;
+};
+
+/// Of every place one.
+std::vector<RoutePattern> route_patterns();
 
 }  // namespace fairway

@@ -240,6 +240,7 @@ Result<void> run_service(const Settings& settings) {
   auto signals = StopSignals::block();
   if (!signals) return signals.error();
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of file sizes is a full storage, not an end
   ::umask(077);  // meshes are their owners' business, and no other user's of this machine
   const Log log(STDERR_FILENO);
   for (const std::string& name : settings.unknown_variables) {

@@ -24,6 +24,7 @@ class SqliteJobStore final : public JobStore {
   static Result<std::unique_ptr<SqliteJobStore>> open(const std::filesystem::path& path);
 
   Result<Submission> submit(const NewJob& job, const SubmitLimits& limits) override;
+  Result<bool> has_submit(const JobName& name, std::string_view key) override;
   Result<std::size_t> queue_length() override;
   Result<void> check_room(std::string_view tenant, std::uint64_t bytes,
                           const SubmitLimits& limits) override;

@@ -16,6 +16,9 @@ constexpr std::string_view kFindKey =
 constexpr std::string_view kFindId =
     "SELECT " FAIRWAY_JOB_COLUMNS ", fingerprint FROM job WHERE tenant = ? AND id = ?";
 constexpr int kFingerprint = 26;  // the column behind those of the job
+constexpr std::string_view kHasSubmit =
+    "SELECT EXISTS (SELECT 1 FROM job WHERE tenant = ?1 AND id = ?2) OR "
+    "EXISTS (SELECT 1 FROM job WHERE tenant = ?1 AND idempotency_key = ?3)";
 constexpr std::string_view kFindContent =
     "SELECT " FAIRWAY_JOB_COLUMNS
     " FROM job WHERE tenant = ? AND content = ? AND state = 'succeeded' ORDER BY seq DESC LIMIT 1";
@@ -96,6 +99,14 @@ Result<Submission> SqliteJobStore::submit(const NewJob& job, const SubmitLimits&
   if (auto done = transaction->commit(); !done) return done.error();
   kill_point("submit.committed");
   return Submission{std::move(*stored), true};
+}
+
+Result<bool> SqliteJobStore::has_submit(const JobName& name, std::string_view key) {
+  const std::lock_guard lock(reader_mutex_);
+  Query query = reader_.query(kHasSubmit);
+  auto row = query.bind(name.tenant).bind(name.id).bind(key).step();
+  if (!row) return row.error();
+  return query.integer(0) != 0;
 }
 
 /// The job that an earlier try of the same submit has made.

@@ -7,6 +7,7 @@
 #include "proto/messages/job_options.h"
 #include "proto/messages/webhook_event.h"
 #include "proto/messages/webhook_url.h"
+#include "tests/messages/json_schema.h"
 
 namespace fairway::test {
 
@@ -48,6 +49,35 @@ TEST_CASE("a URL that a webhook cannot have is refused with what to do") {
     CAPTURE(url);
     CHECK_THAT(webhook_url_complaint(url), Catch::Contains(complaint));
   }
+}
+
+TEST_CASE(
+    "the pattern of a URL holds for every URL that is taken, and for no other but of a port") {
+  const Json schema = job_options_schema()["properties"]["webhook"]["properties"]["url"];
+  for (const auto& [url, taken] : std::vector<std::pair<std::string, bool>>{
+           {"https://example.com", true},
+           {"http://example.com:8080/a/b?token=x%20y&z=[1]@'", true},
+           {"HTTPS://h/", true},
+           {"http://[2001:db8::1]:80/x", true},
+           {"https://a_b.example./?", true},
+           {"https://h?x/y", true},
+           {"https://h/" + std::string(kMaxWebhookUrlBytes - 10, 'x'), true},
+           {"https://h/" + std::string(kMaxWebhookUrlBytes - 9, 'x'), false},
+           {"ftp://example.com/", false},
+           {"https://example.com/a b", false},
+           {"https://example.com/#top", false},
+           {"https://me:word@example.com/", false},
+           {"https:///x", false},
+           {"https://[::1", false},
+           {"https://ex%61mple.com/", false},
+           {"https://example.com:/", false},
+           {"https://example.com:80:80/", false}}) {
+    CAPTURE(url);
+    CHECK(webhook_url_complaint(url).empty() == taken);
+    CHECK(schema_fault(Json(url), schema, schema).empty() == taken);
+  }
+  const Json options = job_options_schema();
+  CHECK_FALSE(schema_fault(Json{{"webhook", {{"secret", "x"}}}}, options, options).empty());
 }
 
 TEST_CASE("a URL is shown without its query, and belongs to its origin") {

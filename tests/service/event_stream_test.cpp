@@ -1,5 +1,4 @@
 // GET /v1/jobs/{id}/events of the real service.
-#include <charconv>
 #include <filesystem>
 #include <string>
 #include <thread>
@@ -8,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include "tests/service/event_text.h"
 #include "tests/service/job_follower.h"
 #include "tests/service/raw_connection.h"
 #include "tests/service/sample_glb.h"
@@ -22,40 +22,6 @@ namespace {
 const std::string kLong = R"({"method":"anisotropic_prescribed","steps":10000})";
 /// Long enough that progress is seen on the way.
 const std::string kSteps = R"({"method":"anisotropic_prescribed","steps":1500})";
-
-struct Event {
-  std::string name;
-  std::string id;
-  Json data;
-};
-
-/// The content of a chunked body that came whole.
-std::string without_chunks(std::string_view body) {
-  std::string content;
-  while (true) {
-    std::size_t size = 0;
-    const auto end = std::from_chars(body.data(), body.data() + body.size(), size, 16).ptr;
-    body.remove_prefix(static_cast<std::size_t>(end - body.data()));
-    REQUIRE(body.starts_with("\r\n"));
-    if (size == 0) return content;
-    content += body.substr(2, size);
-    body.remove_prefix(2 + size + 2);
-  }
-}
-
-std::vector<Event> events_of(std::string_view content) {
-  std::vector<Event> events;
-  Event event;
-  for (std::size_t end; (end = content.find('\n')) != std::string_view::npos;) {
-    const std::string line(content.substr(0, end));
-    content.remove_prefix(end + 1);
-    if (line.starts_with("event: ")) event.name = line.substr(7);
-    if (line.starts_with("id: ")) event.id = line.substr(4);
-    if (line.starts_with("data: ")) event.data = Json::parse(line.substr(6));
-    if (line.empty() && !event.name.empty()) events.push_back(std::exchange(event, {}));
-  }
-  return events;
-}
 
 std::string events_request(const std::string& path, const std::string& headers = "") {
   return fmt::format("GET {}/events HTTP/1.1\r\nHost: t\r\n{}\r\n", path, headers);

@@ -75,9 +75,9 @@ Answer HttpClient::remove(const std::string& path) const {
   return answer_of(client_of(port_).Delete(path));
 }
 
-Answer HttpClient::put(const std::string& path, const std::string& body,
-                       const std::string& type) const {
-  return answer_of(client_of(port_).Put(path, body, type));
+Answer HttpClient::put(const std::string& path, const std::string& body, const std::string& type,
+                       const Headers& headers) const {
+  return answer_of(client_of(port_).Put(path, to_library(headers), body, type));
 }
 
 Answer HttpClient::post(const std::string& path, const std::string& body, const std::string& type,

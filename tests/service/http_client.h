@@ -35,7 +35,7 @@ class HttpClient {
   Answer head(const std::string& path, const Headers& headers = {}) const;
   Answer remove(const std::string& path) const;
   Answer put(const std::string& path, const std::string& body,
-             const std::string& type = "text/plain") const;
+             const std::string& type = "text/plain", const Headers& headers = {}) const;
   Answer post(const std::string& path, const std::string& body = {},
               const std::string& type = "application/octet-stream",
               const Headers& headers = {}) const;

@@ -97,7 +97,7 @@ TEST_CASE("an inspection is refused as a job is") {
   CHECK(problem(small_glb(Flaw::not_a_number), 422) == "invalid_mesh");
   CHECK(problem(std::string(2001, 'x'), 413) == "too_large");
   CHECK(problem(small_glb(), 422, "?params=%7B%22stepz%22:1%7D") == "invalid_parameters");
-  CHECK(client.get("/v1/inspect").header("allow") == "POST");
+  CHECK(client.get("/v1/inspect").header("allow") == "POST, OPTIONS");
   wait_until([&] { return nothing_is_left(directory.path()); });
 }
 

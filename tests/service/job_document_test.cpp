@@ -18,6 +18,7 @@ TEST_CASE("a queued job's document says what is known and nothing else") {
   CHECK(document["state"] == "queued");
   CHECK(document["parameters"]["steps"] == 3);
   CHECK(document["links"]["cancel"] == "/v1/jobs/x/cancel");
+  CHECK(document["links"]["events"] == "/v1/jobs/x/events");
   for (const char* absent : {"started", "finished", "progress", "problem", "report", "result"}) {
     CAPTURE(absent);
     CHECK_FALSE(document.contains(absent));

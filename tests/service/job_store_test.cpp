@@ -556,6 +556,24 @@ TEST_CASE("one key is one job; with another request it is refused") {
   CHECK(f.store().submit(again, {kRoom})->is_new);
 }
 
+TEST_CASE("a submit that came before is known by its key or its id, to its tenant") {
+  Fixture fixture;
+  NewJob job = new_job("a");
+  job.idempotency_key = "k";
+  fixture.submit(job);
+  fixture.submit(new_job("b"));
+  const auto has = [&](const JobName& name, const std::string& key) {
+    const auto found = fixture.store().has_submit(name, key);
+    REQUIRE(found);
+    return *found;
+  };
+  CHECK(has({.id = "a"}, ""));
+  CHECK(has({.id = "new"}, "k"));
+  CHECK_FALSE(has({.id = "new"}, ""));
+  CHECK_FALSE(has({.id = "new"}, "other"));
+  CHECK_FALSE(has({"stranger", "a"}, "k"));
+}
+
 TEST_CASE("an id of the client's own is one job") {
   Fixture f;
   const NewJob job = new_job("mine");

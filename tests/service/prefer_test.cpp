@@ -34,6 +34,11 @@ TEST_CASE("respond-async answers with the job instead of the mesh") {
   CHECK(answer.header("preference-applied") == "respond-async");
   CHECK(answer.header("location") == "/v1/jobs/" + answer.json()["id"].get<std::string>());
   CHECK(wait_until_final(client, answer.header("location"))["state"] == "succeeded");
+  // The work is done already: there is nothing to wait for.
+  const Answer again = denoise(client, small_glb(), "respond-async");
+  CHECK(again.status == 200);
+  CHECK(again.header("content-type") == "model/gltf-binary");
+  CHECK(again.body.starts_with("glTF"));
 }
 
 TEST_CASE("a job that needs longer than the client waits goes on without it") {

@@ -7,6 +7,7 @@
 #include "server/os/random_id.h"
 #include "server/os/sha256.h"
 #include "tests/service/job_follower.h"
+#include "tests/service/raw_connection.h"
 #include "tests/service/sample_glb.h"
 #include "tests/service/service_process.h"
 #include "tests/service/temporary_directory.h"
@@ -57,23 +58,60 @@ TEST_CASE("a retried submit with its Idempotency-Key finds the job of the first"
 TEST_CASE("a key is in flight while its upload is") {
   const TemporaryDirectory directory;
   const ServiceProcess service(directory.path());
+  const std::string mesh = small_glb();
+  const auto submit_again = [&] {
+    return service.client().post("/v1/jobs", mesh, kGlbType, {{"Idempotency-Key", "k"}});
+  };
+  RawConnection slow(service.port());
+  slow.send("POST /v1/jobs HTTP/1.1\r\nHost: t\r\nContent-Length: " + std::to_string(mesh.size()) +
+            "\r\nContent-Type: model/gltf-binary\r\nIdempotency-Key: k\r\n"
+            "Expect: 100-continue\r\nConnection: close\r\n\r\n");
+  slow.read_until("100 Continue\r\n\r\n");  // its body is waited for: it is on its way
+  CHECK(submit_again().problem() == "conflict");
+  slow.send(mesh);
+  CHECK(slow.read_all().starts_with("HTTP/1.1 202 "));
+  CHECK(submit_again().status == 200);
+}
+
+TEST_CASE("a key of one id is refused for another id") {
+  const TemporaryDirectory directory;
+  const ServiceProcess service(directory.path());
   const HttpClient client = service.client();
-  std::string late;
-  std::thread slow([&] {
-    late = client.raw(
-        "POST /v1/jobs HTTP/1.1\r\nHost: t\r\nContent-Length: 1000\r\n"
-        "Content-Type: model/gltf-binary\r\nIdempotency-Key: k\r\n\r\nglTF\x02");
-  });
-  // Whenever the slow one has been heard, the other is told so; before, it would be a job itself,
-  // were its mesh one.
-  std::string told;
-  const auto until = std::chrono::steady_clock::now() + kPatience;
-  while (told != "conflict" && std::chrono::steady_clock::now() < until) {
-    told = client.post("/v1/jobs", std::string(100, 'x'), kGlbType, {{"Idempotency-Key", "k"}})
-               .problem();
-  }
-  CHECK(told == "conflict");
-  slow.join();
+  const HttpClient::Headers key = {{"Idempotency-Key", "k"}};
+  const auto put = [&](const std::string& id) {
+    return client.put("/v1/jobs/" + id, small_glb(), kGlbType, key);
+  };
+  CHECK(put("a").status == 202);
+  CHECK(put("a").status == 200);
+  const Answer other = put("b");
+  CHECK(other.status == 422);
+  CHECK(other.problem() == "key_reused");
+  CHECK(client.get("/v1/jobs/b").status == 404);
+}
+
+TEST_CASE("a repeated submit finds its job in a full queue, and a new one is refused") {
+  const TemporaryDirectory directory;
+  const ServiceProcess service(directory.path(), {"--workers", "1", "--queue", "2"});
+  const HttpClient client = service.client();
+  const std::string busy =
+      client.post("/v1/jobs?" + kLong, noisy_torus(30), kGlbType).header("location");
+  wait_until_busy(client, busy);
+  const auto post = [&](const std::string& key) {
+    return client.post("/v1/jobs", small_glb(), kGlbType, {{"Idempotency-Key", key}});
+  };
+  const auto put = [&](const std::string& id) {
+    return client.put("/v1/jobs/" + id, small_glb(), kGlbType);
+  };
+  const std::string keyed = id_of(post("known"));
+  CHECK(put("own").status == 202);
+  CHECK(post("new").problem() == "queue_full");
+  CHECK(put("other").problem() == "queue_full");
+  CHECK(client.post("/v1/jobs", small_glb(), kGlbType).problem() == "queue_full");
+  const Answer again = post("known");
+  CHECK(again.status == 200);
+  CHECK(id_of(again) == keyed);
+  CHECK(put("own").status == 200);
+  client.remove(busy);
 }
 
 TEST_CASE("a client may choose the id of its job") {
@@ -214,7 +252,12 @@ TEST_CASE("meshes are kept as long as was asked for, and then swept") {
   const std::string path = submit(client, small_glb());
   follow(client, path, [](const Json& job) { return job["state"] == "expired"; });
   CHECK(client.get(path + "/result").status == 410);
-  CHECK(std::filesystem::is_empty(directory.path() / "blobs"));
+  // The row says so before the files go.
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  while (!std::filesystem::is_empty(directory.path() / "blobs")) {
+    REQUIRE(std::chrono::steady_clock::now() < until);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
 }
 
 TEST_CASE("a queued job tells its place in the queue") {
