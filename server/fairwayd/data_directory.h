@@ -7,7 +7,8 @@
 
 namespace fairway {
 
-/// The directory of one running fairwayd. Holds a lock on DIR/lock while it lives.
+/// The directory of one running fairwayd. Holds a lock on DIR/lock while it lives; one object of a
+/// directory per process, because the lock is the process's.
 class DataDirectory {
  public:
   /// Creates the directory where it is absent. Errors: conflict (another fairwayd uses it), io.
