@@ -114,6 +114,26 @@ TEST_CASE("jobs of one tenant are not there for another") {
   CHECK(client.post(path + "/cancel", "", kGlbType, with(mine)).json()["state"] == "canceled");
 }
 
+TEST_CASE("two tenants may use one id, and each has its own result") {
+  const TemporaryDirectory directory;
+  const std::string mine = make_key(directory, "mine");
+  const std::string theirs = make_key(directory, "theirs");
+  const ServiceProcess service(directory.path(), {"--auth", "keys"});
+  const HttpClient client = service.client();
+  const std::string path = "/v1/jobs/scan-1";
+  const auto result_of = [&](const std::string& key, int ring) {
+    REQUIRE(client.put(path, noisy_torus(ring), kGlbType, with(key)).status == 202);
+    const auto is_over = [](const Json& job) { return job["state"] == "succeeded"; };
+    follow(client, path, is_over, with(key));
+    return client.get(path + "/result", with(key)).body;
+  };
+  const std::string first = result_of(mine, 10);
+  const std::string second = result_of(theirs, 12);
+  CHECK((first != second));
+  CHECK((client.get(path + "/result", with(mine)).body == first));
+  CHECK((client.get(path + "/result", with(theirs)).body == second));
+}
+
 TEST_CASE("equal work of another tenant is not found out") {
   const TemporaryDirectory directory;
   const std::string mine = make_key(directory, "mine");

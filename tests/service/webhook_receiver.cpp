@@ -58,13 +58,13 @@ std::string answer_of(int status, const std::string& headers) {
   return "HTTP/1.1 " + std::to_string(status) + " X\r\n" + headers + "Content-Length: 0\r\n\r\n";
 }
 
-void Gate::open() {
+void Latch::open() {
   const std::lock_guard lock(mutex_);
   is_open_ = true;
   opened_.notify_all();
 }
 
-void Gate::wait() {
+void Latch::wait() {
   std::unique_lock lock(mutex_);
   opened_.wait(lock, [this] { return is_open_; });
 }

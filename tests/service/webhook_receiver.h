@@ -27,19 +27,19 @@ struct Received {
 std::string answer_of(int status, const std::string& headers = {});
 
 /// Holds answers back until it is opened.
-class Gate {
+class Latch {
  public:
   /// Opens it at the end of a scope, so that a failed test does not hang. Stands behind the
   /// receiver whose answers wait.
   class OpenedAtEnd {
    public:
-    explicit OpenedAtEnd(Gate& gate) : gate_(gate) {}
+    explicit OpenedAtEnd(Latch& latch) : latch_(latch) {}
     OpenedAtEnd(const OpenedAtEnd&) = delete;
     OpenedAtEnd& operator=(const OpenedAtEnd&) = delete;
-    ~OpenedAtEnd() { gate_.open(); }
+    ~OpenedAtEnd() { latch_.open(); }
 
    private:
-    Gate& gate_;
+    Latch& latch_;
   };
 
   void open();
@@ -87,5 +87,14 @@ class WebhookReceiver {
   std::vector<std::thread> threads_;
   std::thread acceptor_;
 };
+
+/// Keeps the first one waiting until the latch is opened, and then says nothing; 200 to all others.
+inline WebhookReceiver::Answer first_one_waits(Latch& latch) {
+  return [&latch](const Received&, std::size_t n) {
+    if (n > 0) return answer_of(200);
+    latch.wait();
+    return std::string();
+  };
+}
 
 }  // namespace fairway::test

@@ -64,12 +64,12 @@ TEST_CASE("a certificate that no authority vouches for is not trusted") {
 
 TEST_CASE("an endpoint that does not answer does not hold up another") {
   const TemporaryDirectory directory;
-  Gate gate;
+  Latch latch;
   WebhookReceiver slow([&](const Received&, std::size_t) {
-    gate.wait();
+    latch.wait();
     return answer_of(200);
   });
-  const Gate::OpenedAtEnd end(gate);
+  const Latch::OpenedAtEnd end(latch);
   WebhookReceiver fast;
   slow.open();
   fast.open();
@@ -86,7 +86,7 @@ TEST_CASE("an endpoint that does not answer does not hold up another") {
   for (const std::string& held : waiting) {
     CHECK(client.get(held + "/deliveries").json()["deliveries"][0]["attempts"].empty());
   }
-  gate.open();
+  latch.open();
   for (const std::string& held : waiting) delivery_once(client, held, is("delivered"));
 }
 

@@ -105,13 +105,9 @@ TEST_CASE("an endpoint that is down is told once it is up, and errors are tried 
 
 TEST_CASE("what a killed server had to tell is told after its restart, under the same id") {
   const TemporaryDirectory directory;
-  Gate gate;
-  WebhookReceiver receiver([&](const Received&, std::size_t n) {
-    if (n > 0) return answer_of(200);
-    gate.wait();
-    return std::string();
-  });
-  const Gate::OpenedAtEnd end(gate);
+  Latch latch;
+  WebhookReceiver receiver(first_one_waits(latch));
+  const Latch::OpenedAtEnd end(latch);
   receiver.open();
   std::string path;
   std::string id;
@@ -121,7 +117,7 @@ TEST_CASE("what a killed server had to tell is told after its restart, under the
     id = receiver.wait_for(1).front().id();
     service.kill();
   }
-  gate.open();
+  latch.open();
   const ServiceProcess service(directory.path(), kPrivate);
   const auto posts = receiver.wait_for(2);
   CHECK(posts.back().id() == id);
@@ -133,13 +129,9 @@ TEST_CASE("what a killed server had to tell is told after its restart, under the
 
 TEST_CASE("a stopped server hands back what is on its way, without waiting for it") {
   const TemporaryDirectory directory;
-  Gate gate;
-  WebhookReceiver receiver([&](const Received&, std::size_t n) {
-    if (n > 0) return answer_of(200);
-    gate.wait();
-    return std::string();
-  });
-  const Gate::OpenedAtEnd end(gate);
+  Latch latch;
+  WebhookReceiver receiver(first_one_waits(latch));
+  const Latch::OpenedAtEnd end(latch);
   receiver.open();
   std::string path;
   {
@@ -148,7 +140,7 @@ TEST_CASE("a stopped server hands back what is on its way, without waiting for i
     receiver.wait_for(1);
     CHECK(service.stop().code == 0);
   }
-  gate.open();
+  latch.open();
   const ServiceProcess service(directory.path(), kPrivate);
   CHECK(delivery_once(service.client(), path, is("delivered"))["attempts"].size() == 1);
   CHECK(receiver.wait_for(2).size() == 2);
