@@ -46,6 +46,7 @@ enum class ErrorCode : std::uint8_t {
   forbidden,              ///< who asks may not do that
   rate_limited,           ///< too many submits in a short time
   quota_exceeded,         ///< a tenant keeps as much as it may
+  checksum_mismatch,      ///< bytes came that are not those of their checksum
   internal,               ///< a defect of fairway
 };
 

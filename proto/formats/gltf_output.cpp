@@ -2,9 +2,9 @@
 
 #include "proto/formats/gltf_output.h"
 
-#include "proto/formats/base64.h"
 #include "proto/formats/glb.h"
 #include "proto/formats/meshopt_encoder.h"
+#include "proto/messages/base64.h"
 
 namespace fairway {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "proto/formats/base64.h"
+#include "proto/messages/base64.h"
 
 namespace fairway {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "proto/formats/base64.h"
 #include "proto/formats/gltf_meshopt.h"
+#include "proto/messages/base64.h"
 
 namespace fairway {
 namespace {

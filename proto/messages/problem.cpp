@@ -48,6 +48,7 @@ constexpr std::array kKinds = {
     ProblemKind{forbidden, "forbidden", 403, 57, "Forbidden"},
     ProblemKind{rate_limited, "rate_limited", 429, 58, "Too many requests"},
     ProblemKind{quota_exceeded, "quota_exceeded", 507, 59, "Quota exceeded"},
+    ProblemKind{checksum_mismatch, "checksum_mismatch", 460, 60, "Checksum mismatch"},
     ProblemKind{internal, "internal", 500, 41, "Internal error"},
 };
 

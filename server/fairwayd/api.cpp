@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "server/fairwayd/tus.h"
 #include "server/os/random_id.h"
 
 namespace fairway {
@@ -28,11 +29,12 @@ Error public_error(const Error& error) {
 
 }  // namespace
 
-Api::Api(JobStore& jobs, BlobStore& blobs, Outbox& outbox, JobBoard& board, Supervisor& supervisor,
-         ServiceMetrics& metrics, const Gate& gate, const Log& log, const ApiOptions& options,
-         std::stop_token stop)
+Api::Api(JobStore& jobs, BlobStore& blobs, ResumableUploads& uploads, Outbox& outbox,
+         JobBoard& board, Supervisor& supervisor, ServiceMetrics& metrics, const Gate& gate,
+         const Log& log, const ApiOptions& options, std::stop_token stop)
     : jobs_(jobs),
       blobs_(blobs),
+      uploads_(uploads),
       outbox_(outbox),
       board_(board),
       supervisor_(supervisor),
@@ -66,8 +68,8 @@ HttpResponse Api::answer(const HttpRequest& request, BodySource& body) {
     if (!caller) return refuse(caller.error());
     tenant = std::move(caller->tenant);
   }
-  return takes_body(route->place, request.method) ? answer_in_limits(*route, tenant, request, body)
-                                                  : answer_place(*route, tenant, request, body);
+  return is_submit(route->place, request.method) ? answer_in_limits(*route, tenant, request, body)
+                                                 : answer_place(*route, tenant, request, body);
 }
 
 /// Those that submit are told how much more they may.
@@ -109,6 +111,9 @@ HttpResponse Api::answer_place(const Route& route, const std::string& tenant,
       return denoise(tenant, request, body);
     case Place::inspect:
       return inspect(request, body);
+    case Place::uploads:
+    case Place::upload:
+      return answer_upload(route, tenant, request, body);
     case Place::methods:
     case Place::openapi:
     case Place::docs:
@@ -142,6 +147,12 @@ HttpResponse Api::answer_job(const Route& route, const JobName& name, const Http
       break;  // answered by Operations, in front of this
   }
   return problem_response({ErrorCode::internal, "A place without an answer."});
+}
+
+HttpResponse Api::answer_upload(const Route& route, const std::string& tenant,
+                                const HttpRequest& request, BodySource& body) {
+  auto answer = answer_tus(uploads_, route, tenant, request, body);
+  return answer ? *std::move(answer) : refuse(answer.error());
 }
 
 HttpResponse Api::refuse(const Error& error) const {

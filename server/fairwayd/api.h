@@ -22,9 +22,11 @@
 #include "server/fairwayd/log.h"
 #include "server/fairwayd/outbox.h"
 #include "server/fairwayd/rate_limit.h"
+#include "server/fairwayd/resumable_uploads.h"
 #include "server/fairwayd/routes.h"
 #include "server/fairwayd/service_metrics.h"
 #include "server/fairwayd/supervisor.h"
+#include "server/fairwayd/upload.h"
 #include "server/fairwayd/watch_limit.h"
 
 namespace fairway {
@@ -49,9 +51,9 @@ class Api final : public HttpApplication {
  public:
   /// All references must outlive it; `stop` ends the waits of POST /v1/denoise
   /// and POST /v1/inspect.
-  Api(JobStore& jobs, BlobStore& blobs, Outbox& outbox, JobBoard& board, Supervisor& supervisor,
-      ServiceMetrics& metrics, const Gate& gate, const Log& log, const ApiOptions& options,
-      std::stop_token stop);
+  Api(JobStore& jobs, BlobStore& blobs, ResumableUploads& uploads, Outbox& outbox, JobBoard& board,
+      Supervisor& supervisor, ServiceMetrics& metrics, const Gate& gate, const Log& log,
+      const ApiOptions& options, std::stop_token stop);
 
   bool wants_body(const HttpRequest& request) const override;
   HttpResponse answer(const HttpRequest& request, BodySource& body) override;
@@ -63,6 +65,8 @@ class Api final : public HttpApplication {
                           BodySource& body);
   HttpResponse answer_in_limits(const Route& route, const std::string& tenant,
                                 const HttpRequest& request, BodySource& body);
+  HttpResponse answer_upload(const Route& route, const std::string& tenant,
+                             const HttpRequest& request, BodySource& body);
   HttpResponse submit_job(const JobName& name, const HttpRequest& request, BodySource& body);
   HttpResponse denoise(const std::string& tenant, const HttpRequest& request, BodySource& body);
   HttpResponse inspect(const HttpRequest& request, BodySource& body);
@@ -76,7 +80,6 @@ class Api final : public HttpApplication {
   HttpResponse list_deliveries(const JobName& name);
   HttpResponse redeliver(const JobName& name, const std::string& delivery_id);
 
-  Result<void> check_disk(const HttpRequest& request);
   Result<void> check_queue(std::size_t ahead = 0);
   Result<void> check_room(const JobName& name, const HttpRequest& request);
   Result<bool> came_before(const JobName& name, const HttpRequest& request, const std::string& key);
@@ -85,7 +88,12 @@ class Api final : public HttpApplication {
   Result<Submission> submit(const JobName& name, const HttpRequest& request, BodySource& body);
   Result<Submission> store(const NewJob& job);
   Result<NewJob> take_in(const JobName& name, const HttpRequest& request, Upload upload);
+  Result<std::optional<ResumableUpload>> find_input(const std::string& sha256, NewJob& job,
+                                                    Upload& upload);
+  Result<std::optional<ResumableUpload>> find_upload(const std::string& id, NewJob& job,
+                                                     Upload& upload);
   void drop_upload(const NewJob& job);
+  void drop_used(const NewJob& job);
   void remove_blob(const std::string& key);
   Result<Job> cancel(const JobName& name);
   HttpResponse changed(const Job& job, const HttpRequest& request);
@@ -100,6 +108,7 @@ class Api final : public HttpApplication {
 
   JobStore& jobs_;
   BlobStore& blobs_;
+  ResumableUploads& uploads_;
   Outbox& outbox_;
   JobBoard& board_;
   Supervisor& supervisor_;

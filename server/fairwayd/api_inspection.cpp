@@ -19,7 +19,10 @@ Result<std::shared_ptr<InspectionTask>> Api::line_up(const HttpRequest& request,
       !checked) {
     return checked.error();
   }
-  if (auto room = check_disk(request); !room) return room.error();
+  if (auto room = check_disk(blobs_, options_.min_free_bytes, request.content_length.value_or(0));
+      !room) {
+    return room.error();
+  }
   if (auto room = check_queue(); !room) return room.error();
   auto upload =
       receive_upload(request, UploadUse::inspection, body, blobs_, options_.max_mesh_bytes);

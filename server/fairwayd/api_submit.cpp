@@ -109,18 +109,6 @@ HttpResponse Api::denoise(const std::string& tenant, const HttpRequest& request,
   return response;
 }
 
-/// Whether an upload has a place to be stored in.
-Result<void> Api::check_disk(const HttpRequest& request) {
-  const auto left = blobs_.free_bytes();
-  if (!left) return left.error();
-  const std::uint64_t needed = request.content_length.value_or(0);
-  if (*left < options_.min_free_bytes || *left - options_.min_free_bytes < needed) {
-    return Error{ErrorCode::storage_full,
-                 fmt::format("{} bytes are left, {} are to be.", *left, options_.min_free_bytes)};
-  }
-  return {};
-}
-
 /// Jobs and inspections wait in one queue. `ahead`: those that are about to enter it.
 Result<void> Api::check_queue(std::size_t ahead) {
   const auto queued = jobs_.queue_length();
@@ -144,22 +132,54 @@ Result<bool> Api::came_before(const JobName& name, const HttpRequest& request,
   return jobs_.has_submit(name, key);
 }
 
+/// The input of an earlier job; nothing has to be stored.
+Result<std::optional<ResumableUpload>> Api::find_input(const std::string& sha256, NewJob& job,
+                                                       Upload& upload) {
+  const auto earlier = jobs_.find_input(job.name.tenant, sha256);
+  if (!earlier) return earlier.error();
+  job.input = earlier->input;
+  upload.format = earlier->input_format;
+  upload.files = earlier->input_files;
+  return std::optional<ResumableUpload>();
+}
+
+/// An upload that is whole. What is left of one that has become a job is enough to tell whether
+/// this submit was the one; the store refuses any other.
+Result<std::optional<ResumableUpload>> Api::find_upload(const std::string& id, NewJob& job,
+                                                        Upload& upload) {
+  auto whole = uploads_.whole({job.name.tenant, id});
+  if (!whole) return whole.error();
+  job.upload = whole->name.id;
+  if (whole->used) {
+    job.input = {"", whole->length, whole->used->sha256};
+    upload.format = whole->used->format;
+    return std::optional<ResumableUpload>();
+  }
+  const auto format = uploads_.recognise(*whole);
+  if (!format) return format.error();
+  job.owns_input = true;
+  upload.format = *format;
+  return std::optional(*std::move(whole));
+}
+
 /// The input, durable, and what is to be done with it.
 Result<NewJob> Api::take_in(const JobName& name, const HttpRequest& request, Upload upload) {
   NewJob job;
   job.name = name;
   job.owns_input = upload.mesh != nullptr;
+  std::optional<ResumableUpload> whole;
   if (!job.owns_input) {
-    const auto query = read_upload_query(request, UploadUse::job);
-    const auto earlier = jobs_.find_input(name.tenant, query->input_sha256.value_or(""));
-    if (!earlier) return earlier.error();
-    job.input = earlier->input;
-    upload.format = earlier->input_format;
-    upload.files = earlier->input_files;
+    auto query = read_upload_query(request, UploadUse::job);
+    if (!query) return query.error();
+    auto found = query->upload ? find_upload(*query->upload, job, upload)
+                               : find_input(query->input_sha256.value_or(""), job, upload);
+    if (!found) return found.error();
+    whole = *std::move(found);
   }
   if (auto met = heed_accept(request, upload); !met) return met.error();
   if (job.owns_input) {
-    auto input = upload.mesh->commit("in-" + random_id());
+    const std::string key = "in-" + random_id();
+    auto input = whole ? uploads_.give(*whole, key) : upload.mesh->commit(key);
     if (!input) return input.error();
     job.input = *std::move(input);
   }
@@ -182,6 +202,13 @@ void Api::drop_upload(const NewJob& job) {
   if (job.owns_input) remove_blob(job.input.key);
 }
 
+/// Its upload has become the job: what cannot be removed now goes at the next start.
+void Api::drop_used(const NewJob& job) {
+  if (auto dropped = uploads_.drop_bytes({job.name.tenant, job.upload}); !dropped) {
+    log_.write(LogLevel::warning, "upload_not_removed", {{"reason", dropped.error().message}});
+  }
+}
+
 /// Order is the promise of a 202: the input is durable, then the row is committed.
 Result<Submission> Api::submit(const JobName& name, const HttpRequest& request, BodySource& body) {
   if (auto checked = check_upload(request, UploadUse::job, options_.max_mesh_bytes); !checked) {
@@ -195,7 +222,8 @@ Result<Submission> Api::submit(const JobName& name, const HttpRequest& request, 
     return Error{ErrorCode::conflict,
                  "The same submit is on its way: ask again when its upload is over."};
   }
-  if (auto room = check_disk(request); !room) return room.error();
+  const std::uint64_t bytes = request.content_length.value_or(0);
+  if (auto room = check_disk(blobs_, options_.min_free_bytes, bytes); !room) return room.error();
   const auto is_repeated = came_before(name, request, *key);
   if (!is_repeated) return is_repeated.error();
   if (!*is_repeated) {
@@ -226,6 +254,7 @@ Result<Submission> Api::store(const NewJob& job) {
   }
   if (stored->job.input.key != job.input.key) drop_upload(job);
   if (!stored->is_new) return stored;
+  if (!job.upload.empty()) drop_used(job);
   about(log_, stored->job)
       .write(LogLevel::info, "job_queued",
              {{"bytes", job.input.bytes}, {"cached", stored->job.cached}});

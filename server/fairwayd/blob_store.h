@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -45,6 +46,10 @@ class BlobStore {
 
   /// Errors: storage_full, io, unavailable.
   virtual Result<std::unique_ptr<BlobDraft>> create() = 0;
+
+  /// Makes a durable payload under `key` of a file of this machine, which stays and must not change
+  /// any more; not copied where that can be helped. Errors: storage_full, io, unavailable.
+  virtual Result<BlobInfo> adopt(const std::filesystem::path& file, std::string_view key) = 0;
 
   /// A readable regular file at its start (a remote store hands out a local copy). It stays
   /// readable when the blob is removed. Errors: gone (no such blob), io.

@@ -63,6 +63,7 @@ Result<bool> Connection::receive(Clock::time_point until) {
     return Error{ErrorCode::request_timeout, "The request came too slowly: send it again."};
   }
   if (waited == Wait::stopped) return Error{ErrorCode::unavailable, "The server is stopping."};
+  if (stopped_receiving_) return false;
   buffer_.erase(0, at_);
   at_ = 0;
   const std::size_t had = buffer_.size();
@@ -202,6 +203,11 @@ bool Connection::send(std::string_view bytes) {
 bool Connection::client_is_there() const {
   pollfd entry{socket_.get(), POLLRDHUP, 0};
   return ::poll(&entry, 1, 0) == 0;
+}
+
+void Connection::stop_receiving() {
+  stopped_receiving_ = true;
+  ::shutdown(socket_.get(), SHUT_RD);  // ends a wait
 }
 
 void Connection::finish_refused() {

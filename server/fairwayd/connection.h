@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +25,8 @@ struct ConnectionLimits {
 };
 
 /// A client's socket as a sequence of requests: heads that are checked, and bodies that end where
-/// their framing says. For one thread.
+/// their framing says. For one thread,
+/// but for what says otherwise.
 class Connection {
  public:
   /// Waits end early once `stop_descriptor` is readable.
@@ -48,6 +50,9 @@ class Connection {
 
   /// False once the client has closed its sending side, which is taken as hanging up.
   bool client_is_there() const;
+
+  /// Nothing more comes from the client, as if it had closed its sending side. From any thread.
+  void stop_receiving();
 
   /// Ends the answer, and reads on for a moment what the client may still be sending, so that the
   /// answer is not lost to a reset.
@@ -81,6 +86,7 @@ class Connection {
   bool owes_continue_ = false;  ///< the client waits for "100 Continue" before it sends the body
   bool body_over_ = true;
   Clock::time_point body_until_;
+  std::atomic<bool> stopped_receiving_ = false;
   std::uint64_t received_ = 0;
   std::uint64_t sent_ = 0;
 };

@@ -13,10 +13,13 @@ namespace {
 constexpr std::string_view kAny = "*";
 constexpr const char* kRequestHeaders =
     "Authorization, Content-Type, Accept, Cache-Control, Idempotency-Key, If-Match, If-None-Match, "
-    "If-Range, Last-Event-ID, Prefer, Range, traceparent, tracestate";
+    "If-Range, Last-Event-ID, Prefer, Range, traceparent, tracestate, Tus-Resumable, "
+    "Upload-Checksum, Upload-Length, Upload-Metadata, Upload-Offset, X-HTTP-Method-Override";
 constexpr const char* kAnswerHeaders =
     "Accept-Ranges, Content-Disposition, Content-Range, ETag, Location, Preference-Applied, "
-    "RateLimit, RateLimit-Policy, Repr-Digest, Retry-After, Server-Timing, traceparent";
+    "RateLimit, RateLimit-Policy, Repr-Digest, Retry-After, Server-Timing, traceparent, "
+    "Tus-Checksum-Algorithm, Tus-Extension, Tus-Max-Size, Tus-Resumable, Tus-Version, "
+    "Upload-Expires, Upload-Length, Upload-Metadata, Upload-Offset";
 /// Seconds that a browser may remember a preflight.
 constexpr const char* kMaxAge = "7200";
 

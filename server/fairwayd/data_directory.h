@@ -17,6 +17,7 @@ class DataDirectory {
   std::filesystem::path jobs() const { return path_ / "jobs.sqlite"; }
   std::filesystem::path blobs() const { return path_ / "blobs"; }
   std::filesystem::path spool() const { return path_ / "spool"; }
+  std::filesystem::path uploads() const { return path_ / "uploads"; }
 
  private:
   DataDirectory(std::filesystem::path path, UniqueFd lock)

@@ -91,6 +91,34 @@ Result<std::unique_ptr<BlobDraft>> DirectoryBlobStore::create() {
   return std::unique_ptr<BlobDraft>(std::make_unique<FileDraft>(std::move(*file), blobs_));
 }
 
+Result<BlobInfo> DirectoryBlobStore::copy_of(int file, std::string_view key) {
+  auto draft = create();
+  if (!draft) return draft.error();
+  std::vector<std::byte> space(std::size_t{1} << 18);
+  for (ssize_t got = 1; got > 0;) {
+    got = ::read(file, space.data(), space.size());
+    if (got < 0) return file_error("read a file", errno);
+    const auto bytes = std::span(space).first(static_cast<std::size_t>(got));
+    if (auto done = (*draft)->append(bytes); !done) return done.error();
+  }
+  return (*draft)->commit(key);
+}
+
+/// A second name for the file; a copy where the file systems have none to give.
+Result<BlobInfo> DirectoryBlobStore::adopt(const fs::path& file, std::string_view key) {
+  if (!is_plain(key)) return bad_key();
+  auto fd = open_file(file, O_RDONLY);
+  if (!fd) return fd.error();
+  auto bytes = size_of(fd->get());
+  if (!bytes) return bytes.error();
+  auto sha256 = sha256_of_file(fd->get());
+  if (!sha256) return sha256.error();
+  if (::fsync(fd->get()) != 0) return file_error("make a payload durable", errno);
+  if (::link(file.c_str(), (blobs_ / key).c_str()) != 0) return copy_of(fd->get(), key);
+  if (auto synced = sync_directory(blobs_); !synced) return synced.error();
+  return BlobInfo{std::string(key), *bytes, std::move(*sha256)};
+}
+
 Result<UniqueFd> DirectoryBlobStore::open(std::string_view key) {
   if (!is_plain(key)) return bad_key();
   const fs::path path = blobs_ / key;

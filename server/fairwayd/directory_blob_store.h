@@ -14,6 +14,7 @@ class DirectoryBlobStore final : public BlobStore {
                                                           const std::filesystem::path& spool);
 
   Result<std::unique_ptr<BlobDraft>> create() override;
+  Result<BlobInfo> adopt(const std::filesystem::path& file, std::string_view key) override;
   Result<UniqueFd> open(std::string_view key) override;
   Result<void> remove(std::string_view key) override;
   Result<std::uint64_t> free_bytes() override;
@@ -22,6 +23,8 @@ class DirectoryBlobStore final : public BlobStore {
  private:
   DirectoryBlobStore(std::filesystem::path blobs, std::filesystem::path spool)
       : blobs_(std::move(blobs)), spool_(std::move(spool)) {}
+
+  Result<BlobInfo> copy_of(int file, std::string_view key);
 
   const std::filesystem::path blobs_;
   const std::filesystem::path spool_;

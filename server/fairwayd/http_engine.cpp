@@ -69,6 +69,7 @@ class NoBody final : public BodySource {
  public:
   Result<void> read(const OnBytes&) override { return {}; }
   Result<void> read_parts(const OnPart&, const OnBytes&) override { return {}; }
+  void interrupt() override {}
 };
 
 class LibraryBody final : public BodySource {
@@ -96,6 +97,8 @@ class LibraryBody final : public BodySource {
     };
     return verdict(reader_(on_head, receiver(on_bytes)));
   }
+
+  void interrupt() override { connection_.stop_receiving(); }
 
  private:
   httplib::ContentReceiver receiver(const OnBytes& on_bytes) {

@@ -2,7 +2,9 @@
 #include "server/fairwayd/http_fields.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <ctime>
 #include <system_error>
 
 namespace fairway {
@@ -92,6 +94,18 @@ std::optional<std::uint64_t> digits_value(std::string_view text) {
   std::uint64_t value = 0;
   const auto status = std::from_chars(text.data(), text.data() + text.size(), value).ec;
   return status == std::errc::result_out_of_range ? UINT64_MAX : value;
+}
+
+std::string http_date(std::int64_t unix_millis) {
+  constexpr std::int64_t kSecond = 1000;
+  const std::time_t seconds = unix_millis / kSecond;
+  std::tm date{};
+  ::gmtime_r(&seconds, &date);
+  std::array<char, 64> text{};
+  // Names of days are English: no program here sets a locale.
+  const std::size_t length =
+      std::strftime(text.data(), text.size(), "%a, %d %b %Y %H:%M:%S GMT", &date);
+  return {text.data(), length};
 }
 
 }  // namespace fairway

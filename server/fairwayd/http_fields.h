@@ -36,4 +36,7 @@ std::optional<NamedWord> named_word(std::string_view text);
 /// A number of digits only; what does not fit is the largest number. Nothing for anything else.
 std::optional<std::uint64_t> digits_value(std::string_view text);
 
+/// "Sun, 06 Nov 1994 08:49:37 GMT" of milliseconds since 1970 (RFC 9110, 5.6.7).
+std::string http_date(std::int64_t unix_millis);
+
 }  // namespace fairway

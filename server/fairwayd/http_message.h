@@ -95,6 +95,10 @@ class BodySource {
   /// A multipart/form-data body: `on_part` at each head, then `on_bytes` with its content.
   /// Errors: as read(), bad_request (not multipart).
   virtual Result<void> read_parts(const OnPart& on_part, const OnBytes& on_bytes) = 0;
+
+  /// Takes the body for cut short where its reading is now. Does not wait. From any thread, as long
+  /// as the source lives.
+  virtual void interrupt() = 0;
 };
 
 /// A JSON document as an answer.

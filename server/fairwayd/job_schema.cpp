@@ -8,7 +8,7 @@ namespace fairway {
 namespace {
 
 /// Step n brings user_version n to n + 1. Steps are only ever added.
-constexpr std::array<const char*, 7> kSteps{
+constexpr std::array<const char*, 8> kSteps{
     R"sql(
   CREATE TABLE job (
     seq           INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -189,6 +189,22 @@ constexpr std::array<const char*, 7> kSteps{
     until   INTEGER
   ) STRICT;
   CREATE UNIQUE INDEX webhook_secret_in_force ON webhook_secret (tenant) WHERE until IS NULL;
+  )sql",
+    // Uploads in pieces. What has become a job stays for repeated submits to be known by.
+    R"sql(
+  CREATE TABLE upload (
+    id       TEXT NOT NULL PRIMARY KEY CHECK (length(id) = 22),
+    tenant   TEXT NOT NULL REFERENCES tenant (name),
+    length   INTEGER NOT NULL CHECK (length > 0),
+    metadata TEXT NOT NULL,
+    keep     INTEGER NOT NULL CHECK (keep > 0),
+    expires  INTEGER NOT NULL,
+    sha256   TEXT,
+    format   TEXT,
+    CHECK ((sha256 IS NULL) = (format IS NULL))
+  ) STRICT;
+  CREATE INDEX upload_open ON upload (tenant, length) WHERE sha256 IS NULL;
+  CREATE INDEX upload_by_expiry ON upload (expires);
 )sql"};
 
 }  // namespace

@@ -69,6 +69,7 @@ struct NewJob {
   bool may_share = true;         ///< the result of an earlier job will do
   bool owns_input = true;        ///< the input came with this submit; false: it is another job's
   std::string trace_id = {};
+  std::string upload = {};  ///< id of the ResumableUpload that becomes the input; "": none
 };
 
 /// What a service takes.
@@ -150,7 +151,8 @@ class JobStore {
   /// has a result, one that has succeeded with it, and shares its blobs. The same idempotency key,
   /// or the same id, with the same fingerprint returns the job that is there. Errors: queue_full,
   /// quota_exceeded, key_reused (the key came with another fingerprint), conflict (the id did),
-  /// not_found (the input of another job is gone).
+  /// not_found (the input of another job is gone), gone (so is the upload, or it has become another
+  /// job). With a new job its upload is used up, in the same transaction.
   virtual Result<Submission> submit(const NewJob& job, const SubmitLimits& limits) = 0;
 
   /// Whether the tenant has a job of this id, or of this idempotency key ("": of none). As the next

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/fairwayd/clocks.h"
+#include "server/fairwayd/tus.h"
 
 namespace fairway {
 namespace {
@@ -24,11 +25,16 @@ std::optional<T> value_of(Result<T> result) {
 
 bool Operations::wants_body(const HttpRequest& request) const {
   const auto route = route_of(request.path);
-  return route && is_open(route->place, entrance_) && parts_.api.wants_body(request);
+  return route && is_open(route->place, entrance_) &&
+         parts_.api.wants_body(with_tus_method(request));
 }
 
-HttpResponse Operations::answer(const HttpRequest& request, BodySource& body) {
+HttpResponse Operations::answer(const HttpRequest& sent, BodySource& body) {
+  const HttpRequest request = with_tus_method(sent);
   HttpResponse response = choose(request, body);
+  if (const auto route = route_of(request.path); route && is_tus(route->place)) {
+    response.headers.emplace_back("Tus-Resumable", kTusVersion);
+  }
   parts_.cross_origin.mark(request, response);
   if (!response.cause.empty()) {
     parts_.log.write(LogLevel::error, "request_failed",
@@ -43,7 +49,11 @@ HttpResponse Operations::choose(const HttpRequest& request, BodySource& body) {
     return problem_response({ErrorCode::not_found, "There is nothing at this path here."});
   }
   if (route && request.method == "OPTIONS") {
-    return parts_.cross_origin.options(request, route->place);
+    HttpResponse response = parts_.cross_origin.options(request, route->place);
+    if (is_tus(route->place)) {
+      response.headers.insert(response.headers.end(), parts_.tus.begin(), parts_.tus.end());
+    }
+    return response;
   }
   if (auto allowed = parts_.cross_origin.check(request); !allowed) {
     return problem_response(allowed.error());

@@ -27,6 +27,7 @@ class Operations final : public HttpApplication {
     const CrossOrigin& cross_origin;
     ServiceMetrics& metrics;
     const Log& log;
+    NameValues tus = {};  ///< what OPTIONS tells where uploads are resumed
   };
 
   /// All parts must outlive it.

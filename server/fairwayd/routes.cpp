@@ -31,6 +31,8 @@ constexpr std::array kRows = {
     Row{Place::job_redeliver, "/v1/jobs/{id}/deliveries/{delivery}/redeliver", "POST"},
     Row{Place::denoise, "/v1/denoise", "POST", "POST"},
     Row{Place::inspect, "/v1/inspect", "POST", "POST"},
+    Row{Place::uploads, "/v1/uploads", "POST", "POST"},
+    Row{Place::upload, "/v1/uploads/{id}", "HEAD, PATCH, DELETE", "PATCH"},
     Row{Place::methods, "/v1/methods", "GET, HEAD"},
     Row{Place::openapi, "/openapi.json", "GET, HEAD"},
     Row{Place::docs, "/docs", "GET, HEAD"},
@@ -112,6 +114,8 @@ std::optional<Scope> needed_scope(Place place, std::string_view method) {
       return std::nullopt;
     case Place::metrics:
       return Scope::admin;
+    case Place::upload:  // who uploads asks how far he is
+      return Scope::submit;
     default:
       break;
   }
@@ -120,6 +124,10 @@ std::optional<Scope> needed_scope(Place place, std::string_view method) {
 
 bool takes_body(Place place, std::string_view method) {
   return lists(row_of(place).body_methods, method);
+}
+
+bool is_submit(Place place, std::string_view method) {
+  return place != Place::uploads && place != Place::upload && takes_body(place, method);
 }
 
 std::vector<RoutePattern> route_patterns() {

@@ -24,6 +24,8 @@ enum class Place {
   job_redeliver,   ///< /v1/jobs/{id}/deliveries/{delivery}/redeliver
   denoise,         ///< /v1/denoise
   inspect,         ///< /v1/inspect
+  uploads,         ///< /v1/uploads
+  upload,          ///< /v1/uploads/{id}
   methods,         ///< /v1/methods
   openapi,         ///< /openapi.json
   docs,            ///< /docs
@@ -69,6 +71,9 @@ std::optional<Scope> needed_scope(Place place, std::string_view method);
 
 /// True where the place wants the body of such a request.
 bool takes_body(Place place, std::string_view method);
+
+/// True where the body is work: what is limited, and tells its limits.
+bool is_submit(Place place, std::string_view method);
 
 /// A path with {id} as it stands in the table, and its methods.
 struct RoutePattern {

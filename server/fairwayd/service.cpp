@@ -23,8 +23,10 @@
 #include "server/fairwayd/sqlite_job_store.h"
 #include "server/fairwayd/sqlite_outbox.h"
 #include "server/fairwayd/sqlite_tenant_store.h"
+#include "server/fairwayd/sqlite_upload_store.h"
 #include "server/fairwayd/supervisor.h"
 #include "server/fairwayd/sweeper.h"
+#include "server/fairwayd/tus.h"
 #include "server/fairwayd/upload.h"
 #include "server/fairwayd/webhook_sender.h"
 #include "server/os/event_flag.h"
@@ -100,6 +102,15 @@ ApiOptions api_options(const Settings& settings) {
   return options;
 }
 
+ResumableUploads::Options upload_options(const Settings& settings) {
+  ResumableUploads::Options options;
+  options.max_bytes = settings.max_body;
+  options.min_free = settings.min_free;
+  options.keep = settings.upload_keep;
+  options.limits.tenant_bytes = settings.quota;
+  return options;
+}
+
 ConnectionLimits connection_limits(const Settings& settings) {
   ConnectionLimits limits;
   limits.body_bytes = settings.max_body + kUploadOverhead;
@@ -140,9 +151,26 @@ struct Ground {
   Listeners listeners;
   std::unique_ptr<JobStore> jobs;
   std::unique_ptr<BlobStore> blobs;
+  std::unique_ptr<UploadStore> upload_rows;
+  std::unique_ptr<ResumableUploads> uploads;
   std::unique_ptr<Outbox> outbox;
   std::unique_ptr<TenantStore> tenants;  ///< null where no keys are asked for
 };
+
+/// Uploads, and what is left of those of a dead server.
+Result<void> prepare_uploads(Ground& ground, const Settings& settings, const Log& log) {
+  auto rows = SqliteUploadStore::open(ground.directory.jobs());
+  if (!rows) return rows.error();
+  ground.upload_rows = *std::move(rows);
+  auto uploads = ResumableUploads::open(*ground.upload_rows, *ground.blobs,
+                                        ground.directory.uploads(), upload_options(settings));
+  if (!uploads) return uploads.error();
+  ground.uploads = *std::move(uploads);
+  const auto dropped = ground.uploads->recover();
+  if (!dropped) return dropped.error();
+  log.write(LogLevel::info, "uploads_recovered", {{"dropped", *dropped}});
+  return {};
+}
 
 /// Without keys the service is for this machine alone, unless somebody says otherwise.
 Result<void> check_protection(const Settings& settings, const Listeners& listeners) {
@@ -169,8 +197,15 @@ Result<Ground> prepare(const Settings& settings, const Log& log) {
   if (auto done = recover(**jobs, **blobs, log); !done) return done.error();
   auto outbox = SqliteOutbox::open(directory->jobs());
   if (!outbox) return outbox.error();
-  Ground ground{*std::move(directory), *std::move(listeners), *std::move(jobs),
-                *std::move(blobs),     *std::move(outbox),    nullptr};
+  Ground ground{*std::move(directory),
+                *std::move(listeners),
+                *std::move(jobs),
+                *std::move(blobs),
+                nullptr,
+                nullptr,
+                *std::move(outbox),
+                nullptr};
+  if (auto done = prepare_uploads(ground, settings, log); !done) return done.error();
   if (settings.auth == AuthMode::keys) {
     auto tenants = SqliteTenantStore::open(ground.directory.jobs());
     if (!tenants) return tenants.error();
@@ -207,9 +242,9 @@ void drain(Supervisor& supervisor, const EventFlag& idle, const StopSignals& sig
 Result<void> serve(const Settings& settings, Service& service, Listeners listeners,
                    const StopSignals& signals, std::stop_source& stop) {
   const CrossOrigin cross_origin(settings.cors_origins);
-  const Operations::Parts parts{service.api,    service.jobs,      service.blobs,
-                                service.outbox, service.readiness, service.gate,
-                                cross_origin,   service.metrics,   service.log};
+  const Operations::Parts parts{
+      service.api,  service.jobs, service.blobs,   service.outbox, service.readiness,
+      service.gate, cross_origin, service.metrics, service.log,    tus_options(settings.max_body)};
   const ConnectionLimits limits = connection_limits(settings);
   Operations main(parts, listeners.admin ? Entrance::main : Entrance::only);
   Operations administration(parts, Entrance::admin);
@@ -260,11 +295,12 @@ Result<void> run_service(const Settings& settings) {
   const SupervisorOptions options = supervisor_options(settings, *worker);
   Supervisor supervisor(*ground->jobs, *ground->blobs, board, metrics, log, options);
   const Gate gate(ground->tenants.get());
-  Api api(*ground->jobs, *ground->blobs, *ground->outbox, board, supervisor, metrics, gate, log,
-          api_options(settings), stop.get_token());
+  Api api(*ground->jobs, *ground->blobs, *ground->uploads, *ground->outbox, board, supervisor,
+          metrics, gate, log, api_options(settings), stop.get_token());
   Readiness readiness(*ground->jobs, *ground->blobs, log,
                       {*worker, options.limits, settings.min_free}, stop.get_token());
-  const Sweeper sweeper(*ground->jobs, *ground->blobs, board, log, {.forget = settings.forget});
+  const Sweeper sweeper(*ground->jobs, *ground->blobs, *ground->uploads, board, log,
+                        {.forget = settings.forget});
   WebhookSender sender(*ground->outbox, board, metrics, log, sender_options(settings));
   Service service{*ground->jobs, *ground->blobs, *ground->outbox, readiness, gate,  metrics,
                   api,           supervisor,     sender,          *stopping, *idle, log};

@@ -35,6 +35,7 @@ struct Settings {
   std::uint64_t max_body = std::uint64_t{512} << 20;     ///< bytes of one mesh
   std::chrono::seconds deadline{300};                    ///< of one job, wall clock
   std::chrono::seconds keep{86'400};                     ///< meshes, after a job's end
+  std::chrono::seconds upload_keep{86'400};              ///< uploads, after their last bytes
   std::chrono::seconds forget{30 * 86'400};              ///< the job itself, after its end
   std::uint64_t worker_memory = std::uint64_t{4} << 30;  ///< address space in bytes; 0 = any
   std::uint64_t min_free = std::uint64_t{1} << 30;       ///< bytes left on the disk of `data`

@@ -63,8 +63,7 @@ class SqliteJobStore final : public JobStore {
   static Result<std::size_t> count_queued(Database& database);
   static Result<void> check_queue(Database& database, std::string_view tenant,
                                   std::size_t queue_limit);
-  static Result<void> check_quota(Database& database, std::string_view tenant, std::uint64_t bytes,
-                                  std::uint64_t quota);
+  Result<void> use_upload(const NewJob& job);
   Result<std::optional<Job>> find_submitted(const NewJob& job);
   Result<std::optional<Job>> find_content(const NewJob& job);
   Result<std::int64_t> insert(const NewJob& job, const std::optional<Job>& like);

@@ -6,6 +6,7 @@
 #include "server/fairwayd/job_row.h"
 #include "server/fairwayd/sqlite_job_store.h"
 #include "server/fairwayd/sqlite_outbox.h"
+#include "server/fairwayd/tenant_quota.h"
 #include "server/os/kill_point.h"
 
 namespace fairway {
@@ -26,10 +27,6 @@ constexpr std::string_view kCountQueued = "SELECT count(*) FROM job WHERE state 
 constexpr std::string_view kTenantQueue =
     "SELECT most_queued, (SELECT count(*) FROM job WHERE tenant = name AND state = 'queued') "
     "FROM tenant WHERE name = ?";
-constexpr std::string_view kTenantBytes = "SELECT most_bytes FROM tenant WHERE name = ?";
-constexpr std::string_view kKeptBytes =
-    "SELECT coalesce(sum(input_bytes + coalesce(result_bytes, 0)), 0) FROM job "
-    "WHERE tenant = ? AND state <> 'expired'";
 constexpr std::string_view kAddTenant =
     "INSERT INTO tenant (name) VALUES (?) ON CONFLICT DO NOTHING";
 // Who was away does not catch up on the turns that he did not want.
@@ -46,6 +43,9 @@ constexpr std::string_view kInsert =
     "VALUES (?, ?, ?, 1, 1, 0, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
     "?) "
     "RETURNING seq";
+constexpr std::string_view kUseUpload =
+    "UPDATE upload SET sha256 = ?, format = ?, expires = ? + keep "
+    "WHERE tenant = ? AND id = ? AND length = ? AND sha256 IS NULL";
 constexpr std::string_view kAddLabel = "INSERT INTO job_label (job, label) VALUES (?, ?)";
 
 void bind_or_null(Query& query, const std::string& text) {
@@ -79,7 +79,12 @@ Result<Submission> SqliteJobStore::submit(const NewJob& job, const SubmitLimits&
     if (auto room = check_queue(database_, job.name.tenant, limits.queue); !room)
       return room.error();
   }
-  if (auto room = check_quota(database_, job.name.tenant, job.input.bytes, limits.tenant_bytes);
+  // An upload is kept once, as the job's input, from here on.
+  if (!job.upload.empty()) {
+    if (auto used = use_upload(job); !used) return used.error();
+  }
+  if (auto room =
+          check_tenant_quota(database_, job.name.tenant, job.input.bytes, limits.tenant_bytes);
       !room) {
     return room.error();
   }
@@ -107,6 +112,19 @@ Result<bool> SqliteJobStore::has_submit(const JobName& name, std::string_view ke
   auto row = query.bind(name.tenant).bind(name.id).bind(key).step();
   if (!row) return row.error();
   return query.integer(0) != 0;
+}
+
+/// The upload becomes the input of this job, and of no other one.
+Result<void> SqliteJobStore::use_upload(const NewJob& job) {
+  Query query = database_.query(kUseUpload);
+  query.bind(job.input.sha256).bind(name_of(job.input_format)).bind(wall_clock());
+  query.bind(job.name.tenant).bind(job.upload).bind(static_cast<std::int64_t>(job.input.bytes));
+  if (auto done = query.step(); !done) return done.error();
+  if (database_.changes() > 0) return {};
+  return Error{ErrorCode::gone,
+               fmt::format("The upload has become a job, or is no longer kept: say "
+                           "input=sha256:{}, or send the file again.",
+                           job.input.sha256)};
 }
 
 /// The job that an earlier try of the same submit has made.
@@ -189,7 +207,7 @@ Result<void> SqliteJobStore::check_room(std::string_view tenant, std::uint64_t b
                                         const SubmitLimits& limits) {
   const std::lock_guard lock(reader_mutex_);
   if (auto room = check_queue(reader_, tenant, limits.queue); !room) return room;
-  return check_quota(reader_, tenant, bytes, limits.tenant_bytes);
+  return check_tenant_quota(reader_, tenant, bytes, limits.tenant_bytes);
 }
 
 Result<void> SqliteJobStore::check_queue(Database& database, std::string_view tenant,
@@ -208,25 +226,6 @@ Result<void> SqliteJobStore::check_queue(Database& database, std::string_view te
       fmt::format("{} jobs wait, which is all that this tenant may have waiting: try again "
                   "later.",
                   query.integer(1))};
-}
-
-/// `quota`: of a tenant that has none of its own; 0: any.
-Result<void> SqliteJobStore::check_quota(Database& database, std::string_view tenant,
-                                         std::uint64_t bytes, std::uint64_t quota) {
-  Query own = database.query(kTenantBytes);
-  auto row = own.bind(tenant).step();
-  if (!row) return row.error();
-  const auto most = *row && !own.is_null(0) ? static_cast<std::uint64_t>(own.integer(0)) : quota;
-  if (most == 0) return {};
-  Query query = database.query(kKeptBytes);
-  if (auto sum = query.bind(tenant).step(); !sum) return sum.error();
-  const auto kept = static_cast<std::uint64_t>(query.integer(0));
-  if (kept <= most && bytes <= most - kept) return {};
-  return Error{
-      ErrorCode::quota_exceeded,
-      fmt::format("{} bytes of {} are kept for this tenant, and {} more would come: delete "
-                  "jobs, or wait until they expire.",
-                  kept, most, bytes)};
 }
 
 Result<std::size_t> SqliteJobStore::count_queued(Database& database) {

@@ -10,9 +10,9 @@ constexpr std::size_t kBatch = 100;
 
 }  // namespace
 
-Sweeper::Sweeper(JobStore& jobs, BlobStore& blobs, JobBoard& board, const Log& log,
-                 const Options& options)
-    : jobs_(jobs), blobs_(blobs), board_(board), log_(log), options_(options) {
+Sweeper::Sweeper(JobStore& jobs, BlobStore& blobs, ResumableUploads& uploads, JobBoard& board,
+                 const Log& log, const Options& options)
+    : jobs_(jobs), blobs_(blobs), uploads_(uploads), board_(board), log_(log), options_(options) {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -25,6 +25,11 @@ void Sweeper::run(const std::stop_token& stop) {
 }
 
 void Sweeper::sweep() {
+  if (const auto uploads = uploads_.sweep(wall_clock()); !uploads) {
+    log_.write(LogLevel::error, "sweep_failed", {{"reason", uploads.error().message}});
+  } else if (*uploads > 0) {
+    log_.write(LogLevel::info, "swept", {{"uploads", *uploads}});
+  }
   std::size_t expired = 0;
   while (true) {
     const auto some = expire_due();

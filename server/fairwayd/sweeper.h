@@ -10,11 +10,12 @@
 #include "server/fairwayd/job_board.h"
 #include "server/fairwayd/job_store.h"
 #include "server/fairwayd/log.h"
+#include "server/fairwayd/resumable_uploads.h"
 
 namespace fairway {
 
 /// Removes what is kept no longer: payloads of jobs whose time is over, and, much later, the jobs
-/// themselves.
+/// themselves; uploads that came to nothing.
 class Sweeper {
  public:
   struct Options {
@@ -23,8 +24,8 @@ class Sweeper {
   };
 
   /// All references must outlive the sweeper. Starts to sweep.
-  Sweeper(JobStore& jobs, BlobStore& blobs, JobBoard& board, const Log& log,
-          const Options& options);
+  Sweeper(JobStore& jobs, BlobStore& blobs, ResumableUploads& uploads, JobBoard& board,
+          const Log& log, const Options& options);
 
   /// One round: all that is due now. A failure is logged; the next round tries again.
   void sweep();
@@ -35,6 +36,7 @@ class Sweeper {
 
   JobStore& jobs_;
   BlobStore& blobs_;
+  ResumableUploads& uploads_;
   JobBoard& board_;
   const Log& log_;
   const Options options_;

@@ -28,7 +28,7 @@ Error query_error(UploadUse use) {
   return {ErrorCode::bad_request,
           use == UploadUse::job
               ? "The query takes params, with the URL-encoded parameter document, priority, ttl, "
-                "deadline, webhook and input, each once, and label as often as needed."
+                "deadline, webhook, and input or upload, each once, and label as often as needed."
               : "The query takes one key, params, with the URL-encoded parameter document."};
 }
 
@@ -119,6 +119,14 @@ Result<void> read_raw(const HttpRequest& request, BodySource& body, FileSpool& f
 
 }  // namespace
 
+Result<void> check_disk(BlobStore& blobs, std::uint64_t min_free, std::uint64_t needed) {
+  const auto left = blobs.free_bytes();
+  if (!left) return left.error();
+  if (*left >= min_free && *left - min_free >= needed) return {};
+  return Error{ErrorCode::storage_full,
+               fmt::format("{} bytes are left, {} are to be.", *left, min_free)};
+}
+
 Result<UploadQuery> read_upload_query(const HttpRequest& request, UploadUse use) {
   UploadQuery query;
   Json options = Json::object();
@@ -133,7 +141,9 @@ Result<UploadQuery> read_upload_query(const HttpRequest& request, UploadUse use)
       options[name] = number_or_text(value);
     } else if (for_job && name == "webhook" && !options.contains(name)) {
       options[name] = Json{{"url", value}};
-    } else if (for_job && name == "input" && !query.input_sha256) {
+    } else if (for_job && name == "upload" && !query.names_input()) {
+      query.upload = value;
+    } else if (for_job && name == "input" && !query.names_input()) {
       auto digest = digest_of_input(value);
       if (!digest) return digest.error();
       query.input_sha256 = *std::move(digest);
@@ -155,7 +165,7 @@ Result<void> check_upload(const HttpRequest& request, UploadUse use, std::uint64
     return Error{ErrorCode::unsupported_format,
                  "A content encoding is not taken: send the file's own bytes."};
   }
-  if (!request.has_length && !query->input_sha256) {
+  if (!request.has_length && !query->names_input()) {
     return Error{ErrorCode::length_required, "Say with Content-Length how long the mesh is."};
   }
   const std::uint64_t limit = max_mesh_bytes + (is_multipart(request) ? kUploadOverhead : 0);
@@ -172,7 +182,7 @@ Result<Upload> receive_upload(const HttpRequest& request, UploadUse use, BodySou
   if (!query) return query.error();
   Upload upload;
   PartTexts parts;
-  if (!query->input_sha256) {
+  if (!query->names_input()) {
     auto draft = blobs.create();
     if (!draft) return draft.error();
     FileSpool spool(**draft, max_mesh_bytes);

@@ -27,6 +27,9 @@ struct UploadQuery {
   std::optional<std::string> parameters = {};    ///< ?params=
   std::optional<JobOptions> options = {};        ///< ?label=…&priority=&ttl=&deadline=&webhook=
   std::optional<std::string> input_sha256 = {};  ///< ?input=sha256:…, in place of a body
+  std::optional<std::string> upload = {};        ///< ?upload=ID, in place of a body
+
+  bool names_input() const { return input_sha256 || upload; }
 };
 
 /// Whether the request makes a job, and may say more of it than its parameters.
@@ -34,13 +37,17 @@ enum class UploadUse { job, inspection };
 
 /// A mesh in the spool and what to do with it. Not durable yet.
 struct Upload {
-  std::unique_ptr<BlobDraft> mesh;  ///< null where the query names an earlier input
+  std::unique_ptr<BlobDraft> mesh;  ///< null where the query names what came before
   Format format = Format::glb;
   std::size_t files = 1;  ///< more than one: the draft is a Bundle of so many files
   std::string digest;     ///< of these files in whatever order; "" where there is one
   Parameters parameters;
   JobOptions options;
 };
+
+/// Whether `needed` bytes have a place beside those that are to stay free. Errors: storage_full,
+/// io.
+Result<void> check_disk(BlobStore& blobs, std::uint64_t min_free, std::uint64_t needed);
 
 /// Errors: bad_request (unknown key, one twice), invalid_parameters.
 Result<UploadQuery> read_upload_query(const HttpRequest& request, UploadUse use);

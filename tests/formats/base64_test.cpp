@@ -1,4 +1,4 @@
-#include "proto/formats/base64.h"
+#include "proto/messages/base64.h"
 
 #include <catch2/catch.hpp>
 

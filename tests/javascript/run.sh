@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Lets JavaScript packages read what fairway writes. Says SKIPPED where node or npm cannot be used.
+# Lets JavaScript packages read what fairway writes, and upload to fairwayd. Says SKIPPED where node
+# or npm cannot be used.
 # Usage: run.sh SOURCE_DIR BIN_DIR WORK_DIR
 set -euo pipefail
 source=$1 bin=$2 work=$3
@@ -13,7 +14,7 @@ major=$(node -p 'process.versions.node.split(".")[0]')
 # The packages are installed once for each lock file.
 mkdir -p "$work/files"
 cd "$work"
-cp "$source"/package.json "$source"/package-lock.json "$source"/read.mjs .
+cp "$source"/package.json "$source"/package-lock.json "$source"/{read,upload}.mjs .
 if ! cmp -s package-lock.json installed.json; then
   rm -f installed.json
   timeout 180 npm ci --ignore-scripts --no-audit --no-fund >npm.log 2>&1 ||
@@ -36,4 +37,18 @@ for way in scene fresh; do
   "$bin/fairway" denoise "$input" $way.drc --params "$(parameters none)" >$way.drc.log 2>&1
 done
 cd ..
-exec node read.mjs files
+node read.mjs files
+
+# The service on a free port; it says which on its first line.
+rm -rf service service.log
+"$bin/fairwayd" --data service --listen 127.0.0.1:0 --min-free 0 >service.log 2>&1 &
+daemon=$!
+trap 'kill $daemon; wait $daemon || true' EXIT
+server=
+for _ in $(seq 600); do
+  server=$(sed -n 's/^fairwayd: listening on //p' service.log)
+  [ -z "$server" ] || break
+  sleep 0.1
+done
+[ -n "$server" ] || { cat service.log; exit 1; }
+node upload.mjs "$server" files/scene-in.glb

@@ -10,6 +10,7 @@
 #include "server/fairwayd/directory_blob_store.h"
 #include "server/fairwayd/sqlite_job_store.h"
 #include "server/fairwayd/sqlite_outbox.h"
+#include "server/fairwayd/sqlite_upload_store.h"
 #include "server/os/file.h"
 #include "server/os/random_id.h"
 #include "tests/service/sample_glb.h"
@@ -32,6 +33,7 @@ class SlowBody final : public BodySource {
   Result<void> read_parts(const OnPart&, const OnBytes&) override {
     return Error{ErrorCode::bad_request, "Not multipart."};
   }
+  void interrupt() override {}
 
  private:
   std::string bytes_;
@@ -49,11 +51,18 @@ class Fixture {
     outbox_ = std::move(*outbox);
     jobs_ = std::move(*jobs);
     blobs_ = std::move(*blobs);
+    auto rows = SqliteUploadStore::open(directory_.path() / "jobs.sqlite");
+    REQUIRE(rows);
+    upload_rows_ = std::move(*rows);
+    auto uploads =
+        ResumableUploads::open(*upload_rows_, *blobs_, directory_.path() / "uploads", {});
+    REQUIRE(uploads);
+    uploads_ = std::move(*uploads);
     supervisor_ =
         std::make_unique<Supervisor>(*jobs_, *blobs_, board_, metrics_, log_, SupervisorOptions{});
-    api_ = std::make_unique<Api>(*jobs_, *blobs_, *outbox_, board_, *supervisor_, metrics_, gate_,
-                                 log_, ApiOptions{std::uint64_t{1} << 20, queue_limit},
-                                 std::stop_token());
+    api_ = std::make_unique<Api>(
+        *jobs_, *blobs_, *uploads_, *outbox_, board_, *supervisor_, metrics_, gate_, log_,
+        ApiOptions{std::uint64_t{1} << 20, queue_limit}, std::stop_token());
   }
 
   HttpResponse submit(std::function<void()> meanwhile = [] {}) {
@@ -77,6 +86,8 @@ class Fixture {
   const Gate gate_{nullptr};
   std::unique_ptr<JobStore> jobs_;
   std::unique_ptr<BlobStore> blobs_;
+  std::unique_ptr<UploadStore> upload_rows_;
+  std::unique_ptr<ResumableUploads> uploads_;
   std::unique_ptr<Outbox> outbox_;
   std::unique_ptr<Supervisor> supervisor_;
   std::unique_ptr<Api> api_;

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "server/fairwayd/directory_blob_store.h"
+#include "server/os/random_id.h"
 #include "tests/service/temporary_directory.h"
 
 using namespace fairway;
@@ -127,5 +128,33 @@ TEST_CASE("the sweep removes orphans and old drafts, and nothing that is needed"
   CHECK(f.get("in-a") == "a");
   CHECK(f.get("out-c") == "c");
   CHECK_FALSE(f.store().open("in-b"));
+  CHECK_FALSE(has_files(f.spool()));
+}
+
+TEST_CASE("a file is adopted with all its bytes, and may go afterwards") {
+  Fixture f;
+  const std::filesystem::path file = f.blobs().parent_path() / "mesh";
+  std::ofstream(file) << "a mesh";
+  const auto info = f.store().adopt(file, "in-1");
+  REQUIRE(info);
+  CHECK(info->bytes == 6);
+  CHECK(info->sha256 == f.put("other", "a mesh").sha256);
+  CHECK(std::filesystem::hard_link_count(file) == 2);
+  REQUIRE(std::filesystem::remove(file));
+  CHECK(f.get("in-1") == "a mesh");
+  CHECK_FALSE(f.store().adopt(file, "in-2"));
+}
+
+TEST_CASE("a file of another file system is adopted as a copy") {
+  Fixture f;
+  // Memory, where the temporary directory is a disk; nothing to try where it is not.
+  const std::filesystem::path shared = "/dev/shm";
+  if (!std::filesystem::is_directory(shared)) return;
+  const std::filesystem::path file = shared / ("fairway-" + random_id());
+  std::ofstream(file) << "a mesh";
+  const auto info = f.store().adopt(file, "in-1");
+  std::filesystem::remove(file);
+  REQUIRE(info);
+  CHECK(f.get("in-1") == "a mesh");
   CHECK_FALSE(has_files(f.spool()));
 }

@@ -27,15 +27,23 @@ std::set<std::string> entries_of(std::string text) {
 }
 
 /// What a page can read, or has no use for.
-const std::set<std::string> kNotExposed = {"cache-control",           "vary",
-                                           "content-security-policy", "x-content-type-options",
-                                           "x-accel-buffering",       "www-authenticate"};
+const std::set<std::string> kNotExposed = {"cache-control",
+                                           "vary",
+                                           "content-security-policy",
+                                           "x-content-type-options",
+                                           "x-accel-buffering",
+                                           "www-authenticate",
+                                           "allow"};
 
 }  // namespace
 
 TEST_CASE("the scope that an operation is documented to need is the one that is asked for") {
   for (const Operation& operation : operations_of(openapi_document())) {
     CAPTURE(operation.id);
+    if (operation.method == "OPTIONS") {  // browsers ask without a key
+      CHECK(operation.scope.empty());
+      continue;
+    }
     const auto route = route_of(path_with(operation, kNobody));
     REQUIRE(route);
     const auto scope = needed_scope(route->place, operation.method);

@@ -42,7 +42,8 @@ class ContractWalk {
   /// same type, title and status. Of a stream each event is held against the schema of its name.
   void see(const Answer& answer);
 
-  /// Documented and not seen yet: "404 not_found", "200 succeeded", "200", "200 model/ply".
+  /// Documented and not seen yet: "404 not_found", "200 succeeded", "200", "200 model/ply". Of HEAD
+  /// statuses only.
   std::set<std::string> missing() const;
 
   const Operation& operation() const { return operation_; }

@@ -33,7 +33,7 @@ using Walk = void (*)(ContractWalk&);
 /// By the id of the operation. Every operation of the document has one.
 std::map<std::string, Walk> contract_walks();
 
-// The walks of the operations that take an upload, of jobs, and of results.
+// The walks of the operations that take a mesh, of jobs, of results, and of uploads.
 void walk_submit_job(ContractWalk& walk);
 void walk_put_job(ContractWalk& walk);
 void walk_denoise(ContractWalk& walk);
@@ -47,6 +47,11 @@ void walk_follow_job(ContractWalk& walk);
 void walk_show_result(ContractWalk& walk);
 void walk_list_deliveries(ContractWalk& walk);
 void walk_redeliver(ContractWalk& walk);
+void walk_describe_uploads(ContractWalk& walk);
+void walk_create_upload(ContractWalk& walk);
+void walk_show_upload(ContractWalk& walk);
+void walk_continue_upload(ContractWalk& walk);
+void walk_delete_upload(ContractWalk& walk);
 
 /// Sends the operation's method without a body.
 Answer ask(const ContractWalk& walk, const Stage& stage, const std::string& path,

@@ -10,6 +10,7 @@
 #include "tests/service/contract_walks.h"
 #include "tests/service/job_follower.h"
 #include "tests/service/sample_glb.h"
+#include "tests/service/tus_client.h"
 
 namespace fairway::test {
 namespace {
@@ -78,6 +79,33 @@ void see_earlier(ContractWalk& walk) {
   CHECK(unknown.status == 404);
 }
 
+/// Uploads in pieces in place of a body.
+void see_resumed(ContractWalk& walk) {
+  const Stage stage;
+  const TusClient client(stage.client());
+  const std::string mesh = noisy_torus(10);
+  const auto with = [&](const std::string& id, const std::string& parameters = "{}") {
+    WireRequest request = upload(walk, "", parameters);
+    request.path += "&upload=" + id;
+    return request;
+  };
+  const auto seen = [&](const WireRequest& request) {
+    Answer answer = stage.ask(request);
+    walk.see(answer);
+    return answer;
+  };
+  const WireRequest first = with(id_of_upload(client.upload(mesh)));
+  CHECK(seen(first).status == (waits(walk) ? 200 : 202));
+  WireRequest other = upload(walk, "", R"({"steps":3})");
+  other.path += first.path.substr(first.path.find("&upload="));
+  CHECK(seen(other).problem() == "gone");
+  const std::string half = client.created(mesh.size());
+  client.patch(half, 0, mesh.substr(0, mesh.size() / 2));
+  CHECK(seen(with(id_of_upload(half))).problem() == "not_ready");
+  CHECK(seen(with(kNobody)).problem() == "not_found");
+  CHECK(seen(with(id_of_upload(client.upload(std::string(100, '\x01'))))).status == 415);
+}
+
 /// What is asked of a job beside its parameters, in the query and in a form.
 void see_options(ContractWalk& walk) {
   const Stage stage;
@@ -135,6 +163,7 @@ void see_submits(ContractWalk& walk) {
   see_keys(walk);
   see_flight(walk);
   see_earlier(walk);
+  see_resumed(walk);
   see_options(walk);
   see_shares(walk);
 }

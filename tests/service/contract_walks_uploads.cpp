@@ -52,7 +52,8 @@ void see_successes(ContractWalk& walk) {
     const std::string name = parameter["name"];
     CAPTURE(name);
     if (!parameter.contains("content")) {
-      WireRequest request = upload(walk, name == "input" ? "" : noisy_torus(10));
+      WireRequest request =
+          upload(walk, name == "input" || name == "upload" ? "" : noisy_torus(10));
       request.path.append("&").append(query_text(parameter, parameter["example"]));
       walk.see(stage.ask(request));
       continue;

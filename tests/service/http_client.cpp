@@ -85,6 +85,16 @@ Answer HttpClient::post(const std::string& path, const std::string& body, const 
   return answer_of(client_of(port_).Post(path, to_library(headers), body, type));
 }
 
+Answer HttpClient::send(const std::string& method, const std::string& path, const Headers& headers,
+                        const std::string& body) const {
+  httplib::Request request;
+  request.method = method;
+  request.path = path;
+  request.headers = to_library(headers);
+  request.body = body;
+  return answer_of(client_of(port_).send(request));
+}
+
 Answer HttpClient::post_form(const std::string& path, const std::string& mesh,
                              const std::string& file_name, const std::string& parameters) const {
   const httplib::MultipartFormDataItems parts = {

@@ -43,6 +43,10 @@ class HttpClient {
   Answer post_form(const std::string& path, const std::string& mesh, const std::string& file_name,
                    const std::string& parameters) const;
 
+  /// Any request; a content type is one of the headers.
+  Answer send(const std::string& method, const std::string& path, const Headers& headers = {},
+              const std::string& body = {}) const;
+
   /// Sends bytes as they are and returns all that comes until the server closes, or 2 s are over.
   std::string raw(std::string_view bytes) const;
 

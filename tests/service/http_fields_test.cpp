@@ -33,6 +33,10 @@ TEST_CASE("a word has a name in lower case and a value without quotes") {
   CHECK(text(R"(foo="a\")") == "refused");
 }
 
+TEST_CASE("a date is written as HTTP writes it") {
+  CHECK(http_date(784'111'777'999) == "Sun, 06 Nov 1994 08:49:37 GMT");
+}
+
 TEST_CASE("a number is digits, and the largest where it does not fit") {
   CHECK(digits_value("0") == 0U);
   CHECK(digits_value("0042") == 42U);

@@ -22,6 +22,8 @@ TEST_CASE("the paths of the API lead to their places") {
   CHECK(place("/v1/jobs") == Place::jobs);
   CHECK(place("/v1/denoise") == Place::denoise);
   CHECK(place("/v1/inspect") == Place::inspect);
+  CHECK(place("/v1/uploads") == Place::uploads);
+  CHECK(place("/v1/uploads/" + id) == Place::upload);
   CHECK(place("/v1/jobs/" + id) == Place::job);
   CHECK(place("/v1/jobs/" + id + "/result") == Place::job_result);
   CHECK(place("/v1/jobs/" + id + "/events") == Place::job_events);
@@ -68,8 +70,18 @@ TEST_CASE("a method is allowed exactly where it is listed") {
 TEST_CASE("a body is wanted where something is sent") {
   CHECK(takes_body(Place::jobs, "POST"));
   CHECK(takes_body(Place::denoise, "POST"));
+  CHECK(takes_body(Place::upload, "PATCH"));
+  CHECK_FALSE(takes_body(Place::upload, "HEAD"));
   CHECK_FALSE(takes_body(Place::jobs, "GET"));
   CHECK_FALSE(takes_body(Place::job_cancel, "POST"));
+}
+
+TEST_CASE("a body that is work is a submit, a piece of a file is none") {
+  CHECK(is_submit(Place::jobs, "POST"));
+  CHECK(is_submit(Place::job, "PUT"));
+  CHECK_FALSE(is_submit(Place::uploads, "POST"));
+  CHECK_FALSE(is_submit(Place::upload, "PATCH"));
+  CHECK_FALSE(is_submit(Place::jobs, "GET"));
 }
 
 TEST_CASE("health is open everywhere, metrics and the API where they belong") {

@@ -29,6 +29,7 @@ const std::map<std::string, std::string> kValues = {
     {"max-body", "5"},
     {"deadline", "6"},
     {"keep", "10"},
+    {"upload-keep", "14"},
     {"forget", "11"},
     {"worker-memory", "7"},
     {"min-free", "8"},

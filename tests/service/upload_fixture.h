@@ -33,6 +33,7 @@ class PieceBody final : public BodySource {
     }
     return {};
   }
+  void interrupt() override {}
 
  private:
   static Result<void> pieces(std::string_view text, const OnBytes& on_bytes) {

@@ -277,7 +277,7 @@ function addOperations(api) {
   for (const tag of api.tags) {
     const section = el('section', { id: `tag-${tag.name}` }, el('h2', { textContent: tag.name }), prose(tag.description));
     for (const [path, item] of Object.entries(api.paths)) {
-      for (const method of ['get', 'post', 'put', 'patch', 'delete']) {
+      for (const method of ['options', 'head', 'get', 'post', 'put', 'patch', 'delete']) {
         const operation = item[method];
         if (!operation || !operation.tags.includes(tag.name)) continue;
         section.append(operationBox(api, path, method, operation, item.parameters));

@@ -2,11 +2,10 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "proto/formats/bytes.h"
 
 namespace fairway {
 
@@ -14,7 +13,7 @@ namespace fairway {
 /// Nothing where the text breaks one of these rules.
 std::optional<std::vector<std::byte>> decode_base64(std::string_view text);
 
-std::string encode_base64(ByteSpan bytes);
+std::string encode_base64(std::span<const std::byte> bytes);
 
 /// The payload of a "data:…;base64,…" URI; nothing for any other URI.
 std::optional<std::string_view> data_uri_payload(std::string_view uri);
@@ -23,6 +22,7 @@ std::optional<std::string_view> data_uri_payload(std::string_view uri);
 bool is_data_uri(std::string_view uri);
 
 /// "data:<media type>;base64,…".
-std::string make_data_uri(ByteSpan bytes, std::string_view media_type = "application/octet-stream");
+std::string make_data_uri(std::span<const std::byte> bytes,
+                          std::string_view media_type = "application/octet-stream");
 
 }  // namespace fairway

@@ -1,7 +1,8 @@
 // Strict base64 and the data URIs of self-contained glTF. Source: RFC 4648 section 4, RFC 2397.
 
-#include "proto/formats/base64.h"
+#include "proto/messages/base64.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdint>
@@ -57,7 +58,7 @@ std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
   return out;
 }
 
-std::string encode_base64(ByteSpan bytes) {
+std::string encode_base64(std::span<const std::byte> bytes) {
   std::string out;
   out.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
@@ -89,7 +90,7 @@ std::optional<std::string_view> data_uri_payload(std::string_view uri) {
   return uri.substr(comma + 1);
 }
 
-std::string make_data_uri(ByteSpan bytes, std::string_view media_type) {
+std::string make_data_uri(std::span<const std::byte> bytes, std::string_view media_type) {
   return "data:" + std::string(media_type) + ";base64," + encode_base64(bytes);
 }
 
