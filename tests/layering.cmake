@@ -38,6 +38,19 @@ forbid(server/fairway-submit "server/fairwayd/|server/fairway/|core/[^r]|sqlite3
 forbid(server/fairway-submit "proto/formats/" "only URIs of side files are looked at"
        server/fairway-submit/scene_files.cpp)
 
+# The rooms of the service, from the ground up: each may include itself, what stands before it, and no
+# room after it.
+set(above "telemetry;http;store;uploads;work;webhooks;api;operations;settings;commands")
+while(above)
+  list(POP_FRONT above room)
+  if(above)
+    list(JOIN above "/|server/fairwayd/" higher)
+    forbid(server/fairwayd/${room} "server/fairwayd/${higher}/|server/fairwayd/service"
+           "rooms of the service stand on each other")
+  endif()
+endwhile()
+forbid(server/fairwayd/store "server/fairwayd/http/" "what is stored knows no HTTP")
+
 # One includer per foreign library.
 foreach(room core proto server)
   forbid(${room} "OpenMesh/" "only core/halfedge.cpp includes OpenMesh" core/halfedge.cpp)
@@ -51,12 +64,12 @@ foreach(room core proto server)
   forbid(${room} "tiny_gltf" "only proto/formats/fresh_gltf.cpp includes tinygltf"
          proto/formats/fresh_gltf.cpp)
   forbid(${room} "yaml-cpp" "only proto/embed.cpp, of the build, includes yaml-cpp" proto/embed.cpp)
-  forbid(${room} "sqlite3" "only server/fairwayd/sqlite.cpp includes sqlite"
-         server/fairwayd/sqlite.cpp)
-  forbid(${room} "curl/" "only server/fairwayd/webhook_client.cpp includes libcurl"
-         server/fairwayd/webhook_client.cpp)
+  forbid(${room} "sqlite3" "only server/fairwayd/store/sqlite.cpp includes sqlite"
+         server/fairwayd/store/sqlite.cpp)
+  forbid(${room} "curl/" "only server/fairwayd/webhooks/webhook_client.cpp includes libcurl"
+         server/fairwayd/webhooks/webhook_client.cpp)
   forbid(${room} "httplib" "only http_engine.cpp and http_session.cpp include httplib"
-         server/fairwayd/http_engine.cpp server/fairway-submit/http_session.cpp)
+         server/fairwayd/http/http_engine.cpp server/fairway-submit/http_session.cpp)
 endforeach()
 
 if(broken)

@@ -8,10 +8,10 @@
 #include <unistd.h>
 
 #include "proto/messages/problem.h"
+#include "server/fairwayd/commands/tenant_command.h"
+#include "server/fairwayd/commands/webhooks_command.h"
 #include "server/fairwayd/service.h"
-#include "server/fairwayd/settings.h"
-#include "server/fairwayd/tenant_command.h"
-#include "server/fairwayd/webhooks_command.h"
+#include "server/fairwayd/settings/settings.h"
 
 namespace {
 

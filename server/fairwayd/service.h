@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/result.h"
-#include "server/fairwayd/settings.h"
+#include "server/fairwayd/settings/settings.h"
 
 namespace fairway {
 

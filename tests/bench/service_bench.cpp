@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "tests/bench/service_load.h"
-#include "tests/service/temporary_directory.h"
+#include "tests/service/support/temporary_directory.h"
 
 namespace fairway::bench {
 namespace {

@@ -29,7 +29,7 @@
 #include "tests/bench/draco_baseline.h"
 #include "tests/bench/plain_flow.h"
 #include "tests/bench/report.h"
-#include "tests/service/temporary_directory.h"
+#include "tests/service/support/temporary_directory.h"
 
 namespace fairway::bench {
 namespace {

@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 
 #include "tests/chaos/watchdog.h"
-#include "tests/service/job_follower.h"
+#include "tests/service/support/job_follower.h"
 
 namespace fairway::chaos {
 namespace {

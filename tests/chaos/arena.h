@@ -10,8 +10,8 @@
 
 #include "tests/chaos/trials.h"
 #include "tests/chaos/work.h"
-#include "tests/service/service_process.h"
-#include "tests/service/temporary_directory.h"
+#include "tests/service/support/service_process.h"
+#include "tests/service/support/temporary_directory.h"
 
 namespace fairway::chaos {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/chaos/work.h"
-#include "tests/service/http_client.h"
+#include "tests/service/support/http_client.h"
 
 namespace fairway::chaos {
 

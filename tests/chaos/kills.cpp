@@ -7,7 +7,7 @@
 #include "server/os/kill_point.h"
 #include "tests/chaos/arena.h"
 #include "tests/chaos/scenarios.h"
-#include "tests/service/job_follower.h"
+#include "tests/service/support/job_follower.h"
 
 namespace fairway::chaos {
 namespace {

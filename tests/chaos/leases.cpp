@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
-#include "server/fairwayd/sqlite_job_store.h"
+#include "server/fairwayd/store/sqlite_job_store.h"
 #include "server/os/kill_point.h"
 #include "tests/chaos/arena.h"
 #include "tests/chaos/scenarios.h"
-#include "tests/service/job_follower.h"
+#include "tests/service/support/job_follower.h"
 
 namespace fairway::chaos {
 namespace {

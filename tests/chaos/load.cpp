@@ -9,7 +9,7 @@
 #include "tests/chaos/arena.h"
 #include "tests/chaos/crowd.h"
 #include "tests/chaos/scenarios.h"
-#include "tests/service/job_follower.h"
+#include "tests/service/support/job_follower.h"
 
 namespace fairway::chaos {
 namespace {

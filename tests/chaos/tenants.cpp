@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "server/fairwayd/sqlite_tenant_store.h"
+#include "server/fairwayd/store/sqlite_tenant_store.h"
 #include "tests/chaos/arena.h"
 #include "tests/chaos/crowd.h"
 #include "tests/chaos/scenarios.h"
-#include "tests/service/job_follower.h"
+#include "tests/service/support/job_follower.h"
 
 namespace fairway::chaos {
 namespace {

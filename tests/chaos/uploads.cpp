@@ -5,7 +5,7 @@
 
 #include "tests/chaos/arena.h"
 #include "tests/chaos/scenarios.h"
-#include "tests/service/raw_connection.h"
+#include "tests/service/support/raw_connection.h"
 
 namespace fairway::chaos {
 namespace {

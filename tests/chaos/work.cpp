@@ -12,8 +12,9 @@
 #include "server/os/file.h"
 #include "server/os/sha256.h"
 #include "tests/chaos/trials.h"
-#include "tests/service/sample_glb.h"
-#include "tests/service/temporary_directory.h"
+#include "tests/places.h"
+#include "tests/service/support/sample_glb.h"
+#include "tests/service/support/temporary_directory.h"
 
 namespace fairway::chaos {
 namespace {
@@ -28,7 +29,7 @@ std::string denoised(const std::string& mesh, const std::string& parameters) {
   std::ofstream(in, std::ios::binary) << mesh;
   const auto null = open_file("/dev/null", O_RDWR);
   expect(static_cast<bool>(null), "/dev/null cannot be opened");
-  auto tool = ChildProcess::spawn({FAIRWAY_BIN_DIR "/fairway",
+  auto tool = ChildProcess::spawn({test::program("fairway"),
                                    {"denoise", in.string(), out.string(), "--params", parameters},
                                    {},
                                    {null->get(), null->get(), null->get()}});

@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/places.h"
+
 namespace fairway::test {
 namespace {
 
@@ -58,7 +60,7 @@ std::vector<Vec3> GoldenCase::vectors(const std::string& array) const {
 }
 
 GoldenCase load_golden(const std::string& name) {
-  const std::string stem = std::string(FAIRWAY_SOURCE_DIR) + "/tests/core/golden/" + name;
+  const std::string stem = source("tests/core/golden/" + name).string();
   GoldenCase out;
   out.name = name;
   out.mesh = parse_off(read_text(stem + ".off"));

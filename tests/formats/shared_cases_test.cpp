@@ -14,16 +14,12 @@
 #include "proto/formats/document.h"
 #include "proto/messages/problem.h"
 #include "tests/formats/sample_glb.h"
+#include "tests/places.h"
 
 using namespace fairway;
 using namespace fairway::test;
 
 namespace {
-
-std::filesystem::path shared_folder() {
-  if (const char* named = std::getenv("FAIRWAY_SHARED")) return named;
-  return std::filesystem::path(FAIRWAY_SOURCE_DIR) / ".." / "shared";
-}
 
 Bytes read_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -70,12 +66,9 @@ bool concerns_us(const std::string& folder, const std::string& extension) {
 }  // namespace
 
 TEST_CASE("every hostile mesh file gets its class of answer") {
-  const auto folder = shared_folder() / "bad";
-  if (!std::filesystem::exists(folder / "manifest.json")) {
-    std::cout << "SKIPPED: no hostile files at " << folder << "; set FAIRWAY_SHARED.\n";
-    return;
-  }
-  const Bytes text = read_file(folder / "manifest.json");
+  const auto folder = shared("bad");
+  if (!folder) return;
+  const Bytes text = read_file(*folder / "manifest.json");
   const Json manifest =
       Json::parse(std::string(reinterpret_cast<const char*>(text.data()), text.size()));
   int seen = 0;
@@ -84,7 +77,7 @@ TEST_CASE("every hostile mesh file gets its class of answer") {
     const std::string kind = file.parent_path().string();
     if (!concerns_us(kind, file.extension().string())) continue;
     ++seen;
-    const Result<void> result = take(read_file(folder / file), kind, file.filename().string());
+    const Result<void> result = take(read_file(*folder / file), kind, file.filename().string());
     const auto expected = fmt::format("|{}|", item["expected"].get<std::string>());
     const auto found = fmt::format("|{}|", answer_of(result));
     INFO(file.string() << ": " << (result ? "accepted" : result.error().message));

@@ -6,8 +6,8 @@
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 
-#include "server/fairwayd/connection.h"
-#include "server/fairwayd/http_head.h"
+#include "server/fairwayd/http/connection.h"
+#include "server/fairwayd/http/http_head.h"
 #include "tests/fuzz/targets.h"
 
 namespace fairway::test {

@@ -12,6 +12,7 @@
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/seeds.h"
 #include "tests/fuzz/targets.h"
+#include "tests/places.h"
 
 namespace fairway::test {
 namespace {
@@ -86,16 +87,9 @@ TEST_CASE("mutated seeds keep the promises of their fuzz target") {
 }
 
 TEST_CASE("hostile files keep the promises of the fuzz targets") {
-  const char* named = std::getenv("FAIRWAY_SHARED");
-  const auto folder =
-      (named != nullptr ? std::filesystem::path(named)
-                        : std::filesystem::path(FAIRWAY_SOURCE_DIR) / ".." / "shared") /
-      "bad";
-  if (!std::filesystem::exists(folder)) {
-    std::cout << "SKIPPED: no hostile files at " << folder << "; set FAIRWAY_SHARED.\n";
-    return;
-  }
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+  const auto folder = test::shared("bad");
+  if (!folder) return;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(*folder)) {
     if (!entry.is_regular_file()) continue;
     const Bytes bytes = read_file(entry.path());
     for (const std::string_view name : targets_for(entry.path())) {

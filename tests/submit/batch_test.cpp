@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "tests/service/http_client.h"
-#include "tests/service/sample_glb.h"
-#include "tests/service/sample_scene.h"
-#include "tests/service/service_process.h"
+#include "tests/service/support/http_client.h"
+#include "tests/service/support/sample_glb.h"
+#include "tests/service/support/sample_scene.h"
+#include "tests/service/support/service_process.h"
 #include "tests/submit/submit_fixture.h"
 
 using namespace fairway;

@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/service/temporary_directory.h"
+#include "tests/service/support/temporary_directory.h"
 #include "tests/submit/submit_fixture.h"
 
 using namespace fairway;

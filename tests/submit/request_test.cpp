@@ -9,8 +9,8 @@
 #include <sys/socket.h>
 
 #include "server/fairway-submit/file_task.h"
-#include "tests/service/job_follower.h"
-#include "tests/service/sample_glb.h"
+#include "tests/service/support/job_follower.h"
+#include "tests/service/support/sample_glb.h"
 #include "tests/submit/submit_fixture.h"
 
 using namespace fairway;

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "server/os/sha256.h"
-#include "tests/service/job_follower.h"
-#include "tests/service/sample_glb.h"
-#include "tests/service/service_process.h"
+#include "tests/service/support/job_follower.h"
+#include "tests/service/support/sample_glb.h"
+#include "tests/service/support/service_process.h"
 #include "tests/submit/submit_fixture.h"
 
 using namespace fairway;

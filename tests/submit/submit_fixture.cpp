@@ -17,8 +17,9 @@
 #include <unistd.h>
 
 #include "server/os/file.h"
-#include "tests/service/job_follower.h"
-#include "tests/service/sample_glb.h"
+#include "tests/places.h"
+#include "tests/service/support/job_follower.h"
+#include "tests/service/support/sample_glb.h"
 
 namespace fairway::test {
 namespace {
@@ -41,10 +42,8 @@ SubmitProcess::SubmitProcess(const std::vector<std::string>& arguments,
   const auto out = open_file(directory_.path() / "out", O_WRONLY | O_CREAT);
   const auto err = open_file(directory_.path() / "err", O_WRONLY | O_CREAT);
   REQUIRE((in && out && err));
-  auto process = ChildProcess::spawn({std::string(FAIRWAY_BIN_DIR "/") + program,
-                                      arguments,
-                                      environment,
-                                      {in->get(), out->get(), err->get()}});
+  auto process = ChildProcess::spawn(
+      {test::program(program), arguments, environment, {in->get(), out->get(), err->get()}});
   REQUIRE(process);
   process_.emplace(std::move(*process));
 }

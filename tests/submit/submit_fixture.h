@@ -8,7 +8,7 @@
 
 #include "proto/messages/json.h"
 #include "server/os/child_process.h"
-#include "tests/service/temporary_directory.h"
+#include "tests/service/support/temporary_directory.h"
 
 namespace fairway::test {
 

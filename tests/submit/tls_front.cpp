@@ -16,7 +16,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
-#include "tests/service/http_client.h"
+#include "tests/service/support/http_client.h"
 
 namespace fairway::test {
 namespace {

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "tests/service/sample_glb.h"
-#include "tests/service/service_process.h"
+#include "tests/service/support/sample_glb.h"
+#include "tests/service/support/service_process.h"
 #include "tests/submit/submit_fixture.h"
 #include "tests/submit/tls_front.h"
 

@@ -4,9 +4,9 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "tests/service/job_follower.h"
-#include "tests/service/sample_glb.h"
-#include "tests/service/service_process.h"
+#include "tests/service/support/job_follower.h"
+#include "tests/service/support/sample_glb.h"
+#include "tests/service/support/service_process.h"
 #include "tests/submit/submit_fixture.h"
 
 using namespace fairway;

@@ -5,7 +5,7 @@
 
 #include "core/shapes.h"
 #include "proto/messages/json.h"
-#include "tests/service/temporary_directory.h"
+#include "tests/service/support/temporary_directory.h"
 #include "tests/tool/run_tool.h"
 
 namespace fairway::test {

@@ -9,7 +9,8 @@
 #include "proto/formats/fresh_gltf.h"
 #include "server/os/child_process.h"
 #include "server/os/file.h"
-#include "tests/service/temporary_directory.h"
+#include "tests/places.h"
+#include "tests/service/support/temporary_directory.h"
 
 namespace fairway::test {
 
@@ -21,7 +22,7 @@ ToolRun run_tool(const std::vector<std::string>& arguments) {
   REQUIRE(in);
   REQUIRE(out);
   Result<ChildProcess> child =
-      ChildProcess::spawn({.program = std::string(FAIRWAY_BIN_DIR) + "/fairway",
+      ChildProcess::spawn({.program = program("fairway"),
                            .arguments = arguments,
                            .environment = {},
                            .descriptors = {in->get(), out->get(), out->get()}});

@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 
 #include "core/shapes.h"
-#include "tests/service/temporary_directory.h"
+#include "tests/service/support/temporary_directory.h"
 #include "tests/tool/run_tool.h"
 
 namespace fairway::test {

@@ -6,7 +6,7 @@
 
 #include "core/shapes.h"
 #include "tests/formats/tinygltf_reader.h"
-#include "tests/service/temporary_directory.h"
+#include "tests/service/support/temporary_directory.h"
 #include "tests/tool/run_tool.h"
 
 namespace fairway::test {

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "server/fairwayd/api/routes.h"
+#include "server/fairwayd/http/http_message.h"
+
+namespace fairway {
+
+/// What the service tells of itself: the OpenAPI document, the methods, and the page that shows
+/// them. The same bytes for as long as the program runs.
+class Contract {
+ public:
+  Contract();
+
+  /// Of the places methods, openapi, docs, docs_code and docs_style; not_found for others.
+  HttpResponse answer(Place place) const;
+
+ private:
+  const std::string openapi_;
+  const std::string methods_;
+};
+
+}  // namespace fairway
