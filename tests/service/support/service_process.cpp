@@ -61,6 +61,7 @@ ServiceProcess::ServiceProcess(const std::filesystem::path& data,
   };
   add_unless_given("--listen", "127.0.0.1:0");
   add_unless_given("--worker-memory", kWorkerMemory);
+  add_unless_given("--drain", "1");
   arguments.insert(arguments.end(), options.begin(), options.end());
   auto process = ChildProcess::spawn(
       {program("fairwayd"), arguments, environment, {null.get(), ends->second.get(), log.get()}});
