@@ -46,7 +46,7 @@ Bytes written(const Document& document, std::span<const SurfaceResult> results,
               const Conversion& conversion) {
   auto out = convert(document, results, conversion);
   if (!out) FAIL(out.error().message);
-  return std::move(out->bytes.joined());
+  return out->bytes.joined();
 }
 
 Json attributes_of(const SampleGlb& sample, std::size_t primitive = 0) {

@@ -326,19 +326,19 @@ TEST_CASE("jobs are counted by state, and the oldest that waits is known") {
 TEST_CASE("failed and canceled jobs are done again, with all their attempts") {
   JobStoreFixture f;
   const std::string id = f.submit();
-  CHECK(refusal(f.store().retry({.id = id}, {kRoom})) == ErrorCode::conflict);
+  CHECK(refusal(f.store().retry({.id = id}, kRoom)) == ErrorCode::conflict);
   REQUIRE(f.store().worker_died(f.claim().lease, kCrash));
   REQUIRE(f.store().worker_died(f.claim().lease, kCrash));
   CHECK(refusal(f.store().retry({.id = id}, 0)) == ErrorCode::queue_full);
-  REQUIRE(f.store().retry({.id = id}, {kRoom}));
+  REQUIRE(f.store().retry({.id = id}, kRoom));
   CHECK(f.find(id).state == JobState::queued);
   CHECK(f.find(id).attempt == 1);
   CHECK_FALSE(f.find(id).problem);
   CHECK_FALSE(f.find(id).expires);
   REQUIRE(f.store().cancel({.id = id}));
-  REQUIRE(f.store().retry({.id = id}, {kRoom}));
+  REQUIRE(f.store().retry({.id = id}, kRoom));
   REQUIRE(f.store().finish(f.claim().lease, success_of(id)));
-  CHECK(refusal(f.store().retry({.id = id}, {kRoom})) == ErrorCode::conflict);
+  CHECK(refusal(f.store().retry({.id = id}, kRoom)) == ErrorCode::conflict);
 }
 
 TEST_CASE("a final job is due when its time is over, and is forgotten long after") {
