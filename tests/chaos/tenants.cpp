@@ -90,6 +90,7 @@ void crowd(Trials& trials, Workshop& workshop, std::size_t count) {
       }
       arena.start();
       std::vector<std::future<Told>> crowds;
+      crowds.reserve(headers.size());
       for (const auto& each : headers) {
         crowds.push_back(std::async(std::launch::async, [&] {
           return Crowd(arena.client(), kinds, jobs).ask(kClients / 2, each);

@@ -57,6 +57,7 @@ Bytes draco_cube(const DracoSampleOptions& options) {
   }
   if (options.colors) {
     std::vector<std::array<std::uint8_t, 3>> colors;
+    colors.reserve(8);
     for (std::uint8_t i = 0; i < 8; ++i) colors.push_back({i, 100, 200});
     add_attribute(mesh, draco::GeometryAttribute::COLOR, draco::DT_UINT8, true, colors);
   }

@@ -66,6 +66,7 @@ TEST_CASE("tenants take turns, whatever one of them has queued before") {
   for (int i = 0; i < 4; ++i) submit("busy", fmt::format("b{}", i));
   for (int i = 0; i < 2; ++i) submit("late", fmt::format("l{}", i));
   std::vector<std::string> order;
+  order.reserve(6);
   for (int i = 0; i < 6; ++i) order.push_back(f.claim().job.id);
   CHECK(order == std::vector<std::string>{"b0", "l0", "b1", "l1", "b2", "b3"});
 }
@@ -101,6 +102,7 @@ TEST_CASE("of one tenant the highest priority goes first, of that the oldest job
   CHECK(*f.store().jobs_before(f.find("low")) == 3);
   CHECK(*f.store().jobs_before(f.find("second")) == 1);
   std::vector<std::string> order;
+  order.reserve(4);
   for (int i = 0; i < 4; ++i) order.push_back(f.claim().job.id);
   CHECK(order == std::vector<std::string>{"first", "second", "usual", "low"});
 }
