@@ -64,6 +64,7 @@ Bytes draco_cube(const DracoSampleOptions& options) {
   draco::Encoder encoder;
   if (options.integers) {
     std::vector<std::array<std::int32_t, 1>> numbers;
+    numbers.reserve(8);
     for (std::int32_t i = 0; i < 8; ++i)
       numbers.push_back({i % 2 == 0 ? INT32_MAX - i : INT32_MIN});
     add_attribute(mesh, draco::GeometryAttribute::GENERIC, draco::DT_INT32, false, numbers);
