@@ -66,6 +66,7 @@ foreach(room core proto server)
   forbid(${room} "yaml-cpp" "only proto/embed.cpp, of the build, includes yaml-cpp" proto/embed.cpp)
   forbid(${room} "sqlite3" "only server/fairwayd/store/sqlite.cpp includes sqlite"
          server/fairwayd/store/sqlite.cpp)
+  forbid(${room} "seccomp" "only server/os/sandbox.cpp includes libseccomp" server/os/sandbox.cpp)
   forbid(${room} "curl/" "only server/fairwayd/webhooks/webhook_client.cpp includes libcurl"
          server/fairwayd/webhooks/webhook_client.cpp)
   forbid(${room} "httplib" "only http_engine.cpp and http_session.cpp include httplib"

@@ -9,6 +9,10 @@ std::string program(std::string_view name) {
   return std::string(FAIRWAY_BIN_DIR "/").append(name);
 }
 
+std::string preloaded(std::string_view name) {
+  return std::string(FAIRWAY_MODULE_DIR "/lib").append(name).append(".so");
+}
+
 std::filesystem::path source(std::string_view path) {
   return std::filesystem::path(FAIRWAY_SOURCE_DIR) / path;
 }

@@ -10,6 +10,9 @@ namespace fairway::test {
 /// Path of a program of this build: "fairway", "fairwayd", "fairway-submit".
 std::string program(std::string_view name);
 
+/// Path of a library of this build that tests preload into programs.
+std::string preloaded(std::string_view name);
+
 /// Path inside the source tree.
 std::filesystem::path source(std::string_view path);
 

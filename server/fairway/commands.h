@@ -63,11 +63,18 @@ struct MethodsCommand {
 };
 Result<void> run(const MethodsCommand& command);
 
+/// `fairway worker --self-test-sandbox`.
+enum class SelfTest {
+  confined,
+  unconfined,  ///< without any wall: shows what the test is worth, as it must fail
+};
+
 /// `fairway worker`: one job of fairwayd, see proto/messages/worker_protocol.h. Returns the exit
 /// code.
 struct WorkerCommand {
-  std::uint64_t address_space = 0;  ///< bytes; 0 = no limit
-  std::uint64_t cpu_seconds = 0;    ///< 0 = no limit
+  std::uint64_t address_space = 0;         ///< bytes; 0 = no limit
+  std::uint64_t cpu_seconds = 0;           ///< 0 = no limit
+  std::optional<SelfTest> self_test = {};  ///< instead of a job
 };
 int run(const WorkerCommand& command);
 

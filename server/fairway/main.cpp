@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <new>
 #include <string_view>
 
 #include <CLI/CLI.hpp>
@@ -138,6 +139,13 @@ class Tool {
     CLI::App* verb = app_.add_subcommand("worker", "One job of fairwayd; not for people");
     verb->add_option("--address-space", worker_.address_space, "Limit in bytes; 0 = none");
     verb->add_option("--cpu-seconds", worker_.cpu_seconds, "Limit in seconds; 0 = none");
+    verb->add_flag_callback(
+        "--self-test-sandbox", [this] { worker_.self_test = SelfTest::confined; },
+        "Show that forbidden calls end a worker and that its work does not need them");
+    verb->add_flag_callback(
+            "--self-test-unconfined", [this] { worker_.self_test = SelfTest::unconfined; },
+            "The same without walls, which must fail")
+        ->group("");
     verb->callback([this] { verb_ = [this] { return fairway::run(worker_); }; });
   }
 
@@ -158,6 +166,9 @@ class Tool {
 int main(int argc, char** argv) {
   try {
     return fairway::Tool().run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("fairway: there is not enough memory; use a smaller mesh\n", stderr);
+    return fairway::problem_kind(fairway::ErrorCode::memory_limit).exit_code;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "fairway: %s\n", e.what());
     return fairway::problem_kind(fairway::ErrorCode::internal).exit_code;

@@ -29,6 +29,7 @@
 #include "server/fairwayd/work/service_metrics.h"
 #include "server/fairwayd/work/supervisor.h"
 #include "server/fairwayd/work/sweeper.h"
+#include "server/fairwayd/work/worker_pool.h"
 #include "server/os/event_flag.h"
 #include "server/os/random_id.h"
 #include "server/os/stop_signals.h"
@@ -64,17 +65,15 @@ Result<void> recover(JobStore& jobs, BlobStore& blobs, const Log& log) {
   return {};
 }
 
-SupervisorOptions supervisor_options(const Settings& settings, std::filesystem::path worker) {
+SupervisorOptions supervisor_options(const Settings& settings) {
   SupervisorOptions options;
   options.slots = settings.workers;
-  options.worker = std::move(worker);
   options.owner = kOwner;
   options.lease = settings.lease;
   options.heartbeat = options.lease / 3;
   options.limits.address_space = settings.worker_memory;
   options.limits.deadline = settings.deadline;
-  // A backstop: the deadline ends a job first unless it keeps every processor busy.
-  options.limits.cpu = settings.deadline * std::max(1U, std::thread::hardware_concurrency());
+  options.limits.cpu = processor_time_within(settings.deadline);
   return options;
 }
 
@@ -223,6 +222,7 @@ struct Service {
   const Gate& gate;
   ServiceMetrics& metrics;
   Api& api;
+  WorkerPool& workers;
   Supervisor& supervisor;
   WebhookSender& sender;
   const EventFlag& stopping;  ///< ends connections
@@ -255,7 +255,9 @@ Result<void> serve(const Settings& settings, Service& service, Listeners listene
     admin_server.emplace(*std::move(listeners.admin), administration, service.log, limits,
                          service.stopping);
   }
+  if (auto done = service.workers.start(); !done) return done;
   if (auto done = service.supervisor.start(); !done) return done;
+  const std::jthread first_look([&service] { service.readiness.look_ahead(); });
   if (auto done = service.sender.start(); !done) return done;
   server.start();
   if (admin_server) admin_server->start();
@@ -264,6 +266,7 @@ Result<void> serve(const Settings& settings, Service& service, Listeners listene
   signals.wait();
   service.log.write(LogLevel::info, "stopping");
   service.stopping.raise();
+  service.workers.close();
   drain(service.supervisor, service.idle, signals, settings.drain);
   stop.request_stop();
   return {};
@@ -292,18 +295,19 @@ Result<void> run_service(const Settings& settings) {
   std::stop_source stop;
   JobBoard board;
   ServiceMetrics metrics(FAIRWAY_VERSION);
-  const SupervisorOptions options = supervisor_options(settings, *worker);
-  Supervisor supervisor(*ground->jobs, *ground->blobs, board, metrics, log, options);
+  const SupervisorOptions options = supervisor_options(settings);
+  WorkerPool workers(*worker, options.limits, options.slots, log);
+  Supervisor supervisor(*ground->jobs, *ground->blobs, board, workers, metrics, log, options);
   const Gate gate(ground->tenants.get());
   Api api(*ground->jobs, *ground->blobs, *ground->uploads, *ground->outbox, board, supervisor,
           metrics, gate, log, api_options(settings), stop.get_token());
-  Readiness readiness(*ground->jobs, *ground->blobs, log,
+  Readiness readiness(*ground->jobs, *ground->blobs, workers, log,
                       {*worker, options.limits, settings.min_free}, stop.get_token());
   const Sweeper sweeper(*ground->jobs, *ground->blobs, *ground->uploads, board, log,
                         {.forget = settings.forget});
   WebhookSender sender(*ground->outbox, board, metrics, log, sender_options(settings));
-  Service service{*ground->jobs, *ground->blobs, *ground->outbox, readiness, gate,  metrics,
-                  api,           supervisor,     sender,          *stopping, *idle, log};
+  Service service{*ground->jobs, *ground->blobs, *ground->outbox, readiness, gate,  metrics, api,
+                  workers,       supervisor,     sender,          *stopping, *idle, log};
   auto served = serve(settings, service, std::move(ground->listeners), *signals, stop);
   supervisor.stop();
   sender.stop();

@@ -1,11 +1,15 @@
-// Preloaded into fairwayd: counts the calls that change files once a worker has ended, and kills
-// the process right before the one that CHAOS_CALL numbers. So the way of a result is cut at every
-// system call, those of the database among them, without a hook in the program.
+// Preloaded into fairwayd: counts the calls that change files once a worker's job has ended, and
+// kills the process right before the one that CHAOS_CALL numbers. So the way of a result is cut at
+// every system call, those of the database among them, without a hook in the program.
+#include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <string_view>
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/types.h>
@@ -33,6 +37,17 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
 }
 
+/// Whether a child, which may have ended, worked at a job: others only waited, or tested.
+bool was_at_a_job(pid_t child) {
+  std::array<char, 64> place = {};
+  std::array<char, 32> name = {};
+  std::snprintf(place.data(), place.size(), "/proc/%d/comm", child);
+  const int fd = ::open(place.data(), O_RDONLY | O_CLOEXEC);
+  const bool known = fd >= 0 && ::read(fd, name.data(), name.size() - 1) > 0;
+  if (fd >= 0) ::close(fd);
+  return known && std::string_view(name.data()) == "fairway-job\n";
+}
+
 bool is_regular(int fd) {
   struct stat status {};
   return ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
@@ -44,8 +59,9 @@ extern "C" {
 
 pid_t wait4(pid_t pid, int* status, int options, rusage* usage) {
   static auto* const real = next<pid_t(pid_t, int*, int, rusage*)>("wait4");
+  const bool counts = was_at_a_job(pid);
   const pid_t ended = real(pid, status, options, usage);
-  counting = true;
+  if (counts) counting = true;
   return ended;
 }
 

@@ -19,7 +19,8 @@ Error public_error(const Error& error) {
     case ErrorCode::storage_full:
       return {error.code, "The server's storage is full: try again later."};
     case ErrorCode::io:
-      return {error.code, "The server could not read or write its storage: try again later."};
+      return {ErrorCode::unavailable,
+              "The server could not read or write its storage: try again later."};
     case ErrorCode::internal:
       return {error.code, "The server met a defect of its own."};
     default:

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -17,6 +18,20 @@ namespace fairway {
 namespace {
 
 constexpr std::size_t kMaxThreads = 512;
+
+UniqueFd spare_descriptor() {
+  return UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+}
+
+/// Tells a client in one piece, without waiting for it, that there is no place. What it has sent is
+/// taken from the socket, because closing it over that would take the answer back.
+void turn_away(const UniqueFd& socket) {
+  const std::string busy = refusal_message({ErrorCode::unavailable, "Too many connections."});
+  ::send(socket.get(), busy.data(), busy.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  ::shutdown(socket.get(), SHUT_WR);
+  std::array<char, 4096> unread;
+  ::recv(socket.get(), unread.data(), unread.size(), MSG_DONTWAIT);
+}
 
 }  // namespace
 
@@ -40,6 +55,7 @@ HttpServer::~HttpServer() {
 }
 
 void HttpServer::start() {
+  reserve_ = spare_descriptor();
   acceptor_ = std::jthread([this] { accept_all(); });
 }
 
@@ -51,14 +67,38 @@ void HttpServer::accept_all() {
     if (entries[1].revents != 0) break;
     UniqueFd socket(::accept4(listener_.socket.get(), nullptr, nullptr, SOCK_CLOEXEC));
     if (socket) {
+      tell_accepting(true, 0);
       take(std::move(socket));
     } else if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
-      log_.write(LogLevel::error, "accept_failed",
-                 {{"reason", system_sentence("accept a connection", errno)}});
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      tell_accepting(false, errno);
+      turn_one_away();
     }
   }
   listener_.socket.reset();  // further clients are refused by the system
+}
+
+/// Only changes are logged.
+void HttpServer::tell_accepting(bool works, int error_number) {
+  if (works == accepts_) return;
+  accepts_ = works;
+  if (works) {
+    log_.write(LogLevel::info, "accepting_again");
+  } else {
+    log_.write(LogLevel::error, "accept_failed",
+               {{"reason", system_sentence("accept a connection", error_number)}});
+  }
+}
+
+/// No descriptor is left: a client would wait unheard.
+void HttpServer::turn_one_away() {
+  reserve_.reset();
+  UniqueFd socket(::accept4(listener_.socket.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  const bool accepted = static_cast<bool>(socket);
+  if (accepted) turn_away(socket);
+  socket.reset();
+  reserve_ = spare_descriptor();
+  // Whoever is quicker has the descriptor now; then there is no reserve, and clients wait.
+  if (!accepted) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
 void HttpServer::take(UniqueFd socket) {
@@ -78,8 +118,7 @@ void HttpServer::take(UniqueFd socket) {
     arrived_.notify_one();
     return;
   }
-  const std::string busy = refusal_message({ErrorCode::unavailable, "Too many connections."});
-  ::send(socket.get(), busy.data(), busy.size(), MSG_NOSIGNAL | MSG_DONTWAIT);  // NOLINT: not moved
+  turn_away(socket);  // NOLINT: not moved
 }
 
 /// With mutex_ held. Where no thread can be had, those that run take the connection later.

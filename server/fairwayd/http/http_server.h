@@ -57,6 +57,8 @@ class HttpServer {
 
  private:
   void accept_all();
+  void tell_accepting(bool works, int error_number);
+  void turn_one_away();
   void take(UniqueFd socket);
   void start_thread();
   void serve_queue(std::stop_token stop);
@@ -73,6 +75,8 @@ class HttpServer {
   std::size_t idle_ = 0;
   std::vector<std::jthread> threads_;
 
+  bool accepts_ = true;
+  UniqueFd reserve_;  ///< given up for a moment, to accept a client that is turned away
   std::jthread acceptor_;
 };
 

@@ -85,8 +85,8 @@ std::string canary_glb() {
   return glb + chunks;
 }
 
-Result<void> run_canary(BlobStore& blobs, const std::filesystem::path& worker,
-                        const WorkerLimits& limits, const std::stop_token& stop) {
+Result<void> run_canary(BlobStore& blobs, WorkerPool& workers, const WorkerLimits& limits,
+                        const std::stop_token& stop) {
   auto input = blobs.create();
   if (!input) return input.error();
   auto output = blobs.create();
@@ -97,11 +97,11 @@ Result<void> run_canary(BlobStore& blobs, const std::filesystem::path& worker,
   if (auto done = (*input)->append(std::as_bytes(std::span(glb))); !done) return done;
   auto parameters = parse_parameters(R"({"steps":2})");
   if (!parameters) return parameters.error();
-  const WorkerTask task{worker, (*input)->descriptor(), (*output)->descriptor(),
+  const WorkerTask task{(*input)->descriptor(), (*output)->descriptor(),
                         WorkerOrder{Format::glb, *std::move(parameters)}, limits};
   const WorkerWatch watch{[](const Progress&) {}, [](std::string_view) {},
                           [&stop] { return !stop.stop_requested(); }, *never};
-  const auto end = run_worker(task, watch);
+  const auto end = run_worker(workers, task, watch);
   if (!end) return end.error();
   if (!std::holds_alternative<Finished>(*end)) return as_error(*end);
   return check_output((*output)->descriptor());

@@ -15,7 +15,7 @@ std::string canary_glb();
 /// Sends the canary the way of a job: a worker with the limits of one denoises it from spool file
 /// to spool file. Nothing is kept. Errors: what kept it from coming back, unavailable where a stop
 /// was requested meanwhile.
-Result<void> run_canary(BlobStore& blobs, const std::filesystem::path& worker,
-                        const WorkerLimits& limits, const std::stop_token& stop);
+Result<void> run_canary(BlobStore& blobs, WorkerPool& workers, const WorkerLimits& limits,
+                        const std::stop_token& stop);
 
 }  // namespace fairway

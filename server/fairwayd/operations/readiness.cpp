@@ -9,6 +9,7 @@
 #include <poll.h>
 
 #include "server/fairwayd/operations/canary.h"
+#include "server/fairwayd/operations/sandbox_check.h"
 #include "server/os/child_process.h"
 #include "server/os/file.h"
 
@@ -19,6 +20,7 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::milliseconds kStartWithin = 10s;
 constexpr std::chrono::seconds kCanaryWithin = 30s;
+constexpr std::chrono::seconds kBadHolds = 5s;
 
 /// The canary is small: it needs no more time than this, whatever a job may take.
 ReadinessOptions with_short_canary(ReadinessOptions options) {
@@ -29,10 +31,11 @@ ReadinessOptions with_short_canary(ReadinessOptions options) {
 
 }  // namespace
 
-Readiness::Readiness(JobStore& jobs, BlobStore& blobs, const Log& log, ReadinessOptions options,
-                     std::stop_token stop)
+Readiness::Readiness(JobStore& jobs, BlobStore& blobs, WorkerPool& workers, const Log& log,
+                     ReadinessOptions options, std::stop_token stop)
     : jobs_(jobs),
       blobs_(blobs),
+      workers_(workers),
       log_(log),
       options_(with_short_canary(std::move(options))),
       stop_(std::move(stop)),
@@ -46,15 +49,18 @@ Readiness::Readiness(JobStore& jobs, BlobStore& blobs, const Log& log, Readiness
               5s,       [this] { return start_worker(); },
               {},       {},
               {}},
-      canary_{
-          "canary", "A worker did not denoise the mesh that it was tried with.",
-          5s,       [this] { return run_canary(blobs_, options_.worker, options_.limits, stop_); },
-          {},       {},
-          {}} {}
+      sandbox_{"sandbox", "The sandbox of the workers does not hold.",
+               60s,       [this] { return test_sandbox(); },
+               {},        {},
+               {}},
+      canary_{"canary", "A worker did not denoise the mesh that it was tried with.",
+              5s,       [this] { return run_canary(blobs_, workers_, options_.limits, stop_); },
+              {},       {},
+              {}} {}
 
 std::vector<ReadinessCheck> Readiness::check(bool with_canary) {
   std::vector<ReadinessCheck> checks;
-  for (Probe* probe : {&store_, &data_, &disk_, &worker_}) checks.push_back(ask(*probe));
+  for (Probe* probe : {&store_, &data_, &disk_, &worker_, &sandbox_}) checks.push_back(ask(*probe));
   if (with_canary) checks.push_back(ask(canary_));
   return checks;
 }
@@ -62,13 +68,15 @@ std::vector<ReadinessCheck> Readiness::check(bool with_canary) {
 /// Only changes are logged: probes come every few seconds.
 ReadinessCheck Readiness::ask(Probe& probe) {
   const std::lock_guard lock(probe.mutex);
-  if (!probe.ok || Clock::now() - probe.looked >= probe.holds) {
+  const bool was_ok = probe.ok.value_or(true);
+  const auto holds = was_ok ? probe.holds : std::min(probe.holds, kBadHolds);
+  if (!probe.ok || Clock::now() - probe.looked >= holds) {
     const Result<void> found = probe.look();
     const bool ok = static_cast<bool>(found);
-    if (!ok && probe.ok.value_or(true)) {
+    if (!ok && was_ok) {
       log_.write(LogLevel::error, "not_ready",
                  {{"check", probe.name}, {"reason", found.error().message}});
-    } else if (ok && !probe.ok.value_or(true)) {
+    } else if (ok && !was_ok) {
       log_.write(LogLevel::info, "ready_again", {{"check", probe.name}});
     }
     probe.ok = ok;
@@ -106,6 +114,18 @@ Result<void> Readiness::start_worker() const {
   if (status.signal == 0 && status.code == 0) return {};
   return Error{ErrorCode::unavailable, fmt::format("The worker program ended with {}, signal {}.",
                                                    status.code, status.signal)};
+}
+
+/// What it notes (which namespaces there are) is logged once.
+Result<void> Readiness::test_sandbox() {
+  const auto test = run_self_test(options_.worker, stop_);
+  if (!test) return test.error();
+  if (test->note != sandbox_note_) {
+    sandbox_note_ = test->note;
+    log_.write(LogLevel::info, "sandbox", {{"note", test->note}});
+  }
+  if (test->passed) return {};
+  return Error{ErrorCode::unavailable, test->failures};
 }
 
 }  // namespace fairway

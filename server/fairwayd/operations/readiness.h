@@ -15,7 +15,7 @@
 #include "server/fairwayd/store/blob_store.h"
 #include "server/fairwayd/store/job_store.h"
 #include "server/fairwayd/telemetry/log.h"
-#include "server/fairwayd/work/worker_run.h"
+#include "server/fairwayd/work/worker_pool.h"
 
 namespace fairway {
 
@@ -38,19 +38,24 @@ class Readiness {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// All references must outlive it; `stop` ends a canary that runs.
-  Readiness(JobStore& jobs, BlobStore& blobs, const Log& log, ReadinessOptions options,
-            std::stop_token stop);
+  /// All references must outlive it; `stop` ends a canary or a self-test that runs.
+  Readiness(JobStore& jobs, BlobStore& blobs, WorkerPool& workers, const Log& log,
+            ReadinessOptions options, std::stop_token stop);
 
   /// store: a row can be written; data: a file can be written; disk: enough of it is left;
-  /// worker: the program starts; and, where asked for, canary: a worker denoises a mesh.
+  /// worker: the program starts; sandbox: its self-test shows that forbidden calls end it; and,
+  /// where asked for, canary: a worker denoises a mesh.
   std::vector<ReadinessCheck> check(bool with_canary);
+
+  /// Begins with what takes longest, the self-test, so that the first who asks need not wait for
+  /// it.
+  void look_ahead() { ask(sandbox_); }
 
  private:
   struct Probe {
     std::string_view name;
     std::string_view complaint;  ///< the detail for clients
-    std::chrono::seconds holds;
+    std::chrono::seconds holds;  ///< a bad answer for five seconds at most
     std::function<Result<void>()> look;
 
     std::mutex mutex;
@@ -62,9 +67,11 @@ class Readiness {
   Result<void> write_file();
   Result<void> check_disk();
   Result<void> start_worker() const;
+  Result<void> test_sandbox();
 
   JobStore& jobs_;
   BlobStore& blobs_;
+  WorkerPool& workers_;
   const Log& log_;
   const ReadinessOptions options_;
   const std::stop_token stop_;
@@ -73,7 +80,10 @@ class Readiness {
   Probe data_;
   Probe disk_;
   Probe worker_;
+  Probe sandbox_;
   Probe canary_;
+
+  std::string sandbox_note_;  ///< last logged; of sandbox_ and under its mutex
 };
 
 }  // namespace fairway

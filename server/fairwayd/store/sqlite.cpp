@@ -109,6 +109,13 @@ Result<Database> Database::open(const std::filesystem::path& path) {
   return database;
 }
 
+Result<void> Database::check_file() const {
+  int moved = 0;
+  const int status = sqlite3_file_control(handle_.get(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+  if (status == SQLITE_OK && moved == 0) return {};
+  return Error{ErrorCode::unavailable, "The file of the job database is gone, or is another one."};
+}
+
 Result<void> Database::execute(const std::string& script) {
   const int status = sqlite3_exec(handle_.get(), script.c_str(), nullptr, nullptr, nullptr);
   if (status != SQLITE_OK) return sqlite_error(status, handle_.get());
@@ -141,7 +148,9 @@ void Database::Finalize::operator()(sqlite3_stmt* statement) const {
 
 Result<Transaction> Transaction::begin(Database& database) {
   if (auto begun = database.execute("BEGIN IMMEDIATE"); !begun) return begun.error();
-  return Transaction(database);
+  Transaction transaction(database);
+  if (auto there = database.check_file(); !there) return there.error();
+  return transaction;
 }
 
 Transaction::~Transaction() {

@@ -52,6 +52,10 @@ class Database {
   /// Errors: as Query::step().
   static Result<Database> open(const std::filesystem::path& path);
 
+  /// Whether the file still has the name it was opened by: what is written to one that has not is
+  /// lost when it is closed. Errors: unavailable.
+  Result<void> check_file() const;
+
   /// Runs statements without parameters or rows.
   Result<void> execute(const std::string& script);
 
@@ -76,6 +80,7 @@ class Database {
 /// BEGIN IMMEDIATE … COMMIT, or ROLLBACK where commit() was not reached.
 class Transaction {
  public:
+  /// Errors: as Query::step(), Database::check_file().
   static Result<Transaction> begin(Database& database);
   Transaction(Transaction&& other) noexcept : database_(std::exchange(other.database_, nullptr)) {}
   Transaction& operator=(Transaction&&) = delete;

@@ -68,18 +68,18 @@ Result<StateCounts> read_counts(Query rows) {
 }  // namespace
 
 Result<Job> SqliteJobStore::find(const JobName& name) {
-  const std::lock_guard lock(mutex_);
-  return load(name);
+  const std::lock_guard lock(reader_mutex_);
+  return load(reader_, name);
 }
 
 Result<Job> SqliteJobStore::find(std::int64_t number) {
-  const std::lock_guard lock(mutex_);
-  return load(number);
+  const std::lock_guard lock(reader_mutex_);
+  return load(reader_, number);
 }
 
 Result<JobPage> SqliteJobStore::list(const JobQuery& query) {
-  const std::lock_guard lock(mutex_);
-  Query rows = database_.query(query.labels.empty() ? kList : kListLabeled);
+  const std::lock_guard lock(reader_mutex_);
+  Query rows = reader_.query(query.labels.empty() ? kList : kListLabeled);
   bind_scope(rows, query);
   query.state ? rows.bind(name_of(*query.state)) : rows.bind_null();
   rows.bind(query.before);
@@ -97,19 +97,19 @@ Result<JobPage> SqliteJobStore::list(const JobQuery& query) {
 }
 
 Result<StateCounts> SqliteJobStore::count(const JobQuery& query) {
-  const std::lock_guard lock(mutex_);
-  Query rows = database_.query(query.labels.empty() ? kCount : kCountLabeled);
+  const std::lock_guard lock(reader_mutex_);
+  Query rows = reader_.query(query.labels.empty() ? kCount : kCountLabeled);
   bind_scope(rows, query);
   if (!query.labels.empty()) rows.bind(query.labels.front());
   return read_counts(std::move(rows));
 }
 
 Result<JobCounts> SqliteJobStore::counts() {
-  const std::lock_guard lock(mutex_);
-  auto by_state = read_counts(database_.query(kCountStates));
+  const std::lock_guard lock(reader_mutex_);
+  auto by_state = read_counts(reader_.query(kCountStates));
   if (!by_state) return by_state.error();
   JobCounts counts{*std::move(by_state), {}};
-  Query oldest = database_.query(kOldestCreated);
+  Query oldest = reader_.query(kOldestCreated);
   auto row = oldest.step();
   if (!row) return row.error();
   if (*row) counts.oldest_queued = oldest.integer(0);
@@ -121,12 +121,12 @@ Result<void> SqliteJobStore::probe() {
   Query query = database_.query(kProbe);
   query.bind(wall_clock());
   if (auto done = query.step(); !done) return done.error();
-  return {};
+  return database_.check_file();
 }
 
 Result<std::size_t> SqliteJobStore::jobs_before(const Job& job) {
-  const std::lock_guard lock(mutex_);
-  Query query = database_.query(kBefore);
+  const std::lock_guard lock(reader_mutex_);
+  Query query = reader_.query(kBefore);
   query.bind(job.tenant).bind(std::int64_t{job.options.priority}).bind(job.number);
   auto row = query.step();
   if (!row) return row.error();
@@ -134,8 +134,8 @@ Result<std::size_t> SqliteJobStore::jobs_before(const Job& job) {
 }
 
 Result<Job> SqliteJobStore::find_input(std::string_view tenant, std::string_view sha256) {
-  const std::lock_guard lock(mutex_);
-  auto jobs = read_jobs(std::move(database_.query(kInput).bind(tenant).bind(sha256)));
+  const std::lock_guard lock(reader_mutex_);
+  auto jobs = read_jobs(std::move(reader_.query(kInput).bind(tenant).bind(sha256)));
   if (!jobs) return jobs.error();
   if (jobs->empty()) {
     return Error{ErrorCode::not_found, "No input with this SHA-256 is kept: send the file."};

@@ -147,7 +147,7 @@ Result<Job> SqliteJobStore::cancel(const JobName& name) {
   const std::lock_guard lock(mutex_);
   auto transaction = Transaction::begin(database_);
   if (!transaction) return transaction.error();
-  auto job = load(name);
+  auto job = load(database_, name);
   if (!job || is_final(job->state)) return job;
   job->finished = wall_clock();
   return move_alone(std::move(*transaction), std::move(*job), JobState::canceled);
@@ -157,7 +157,7 @@ Result<Job> SqliteJobStore::retry(const JobName& name, std::size_t queue_limit) 
   const std::lock_guard lock(mutex_);
   auto transaction = Transaction::begin(database_);
   if (!transaction) return transaction.error();
-  auto job = load(name);
+  auto job = load(database_, name);
   if (!job) return job;
   if (job->state != JobState::failed && job->state != JobState::canceled) {
     return Error{ErrorCode::conflict, "Only a job that failed or was canceled is done again."};
@@ -175,7 +175,7 @@ Result<Expiry> SqliteJobStore::expire(const JobName& name) {
   const std::lock_guard lock(mutex_);
   auto transaction = Transaction::begin(database_);
   if (!transaction) return transaction.error();
-  auto job = load(name);
+  auto job = load(database_, name);
   if (!job) return job.error();
   if (job->state == JobState::expired) return Expiry{std::move(*job), {}};
   std::vector<std::string> keys = {job->input.key};
@@ -205,15 +205,15 @@ Result<std::size_t> SqliteJobStore::requeue_lost(std::string_view owner) {
   return count;
 }
 
-Result<Job> SqliteJobStore::load(const JobName& name) {
-  auto jobs = read_jobs(std::move(database_.query(kFind).bind(name.tenant).bind(name.id)));
+Result<Job> SqliteJobStore::load(Database& database, const JobName& name) {
+  auto jobs = read_jobs(std::move(database.query(kFind).bind(name.tenant).bind(name.id)));
   if (!jobs) return jobs.error();
   if (jobs->empty()) return Error{ErrorCode::not_found, "There is no job with this id."};
   return std::move(jobs->front());
 }
 
-Result<Job> SqliteJobStore::load(std::int64_t number) {
-  auto jobs = read_jobs(std::move(database_.query(kFindNumber).bind(number)));
+Result<Job> SqliteJobStore::load(Database& database, std::int64_t number) {
+  auto jobs = read_jobs(std::move(database.query(kFindNumber).bind(number)));
   if (!jobs) return jobs.error();
   if (jobs->empty()) return Error{ErrorCode::not_found, "There is no job with this number."};
   return std::move(jobs->front());
@@ -243,7 +243,7 @@ Result<bool> SqliteJobStore::is_needed(const std::string& key) {
 }
 
 Result<Job> SqliteJobStore::load_leased(const Lease& lease) {
-  auto job = load(lease.job);
+  auto job = load(database_, lease.job);
   if (!job) return job;
   if (job->state != JobState::running || job->fence != lease.fence) return late();
   return job;

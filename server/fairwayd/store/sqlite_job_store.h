@@ -54,8 +54,8 @@ class SqliteJobStore final : public JobStore {
   SqliteJobStore(Database database, Database reader)
       : database_(std::move(database)), reader_(std::move(reader)) {}
 
-  Result<Job> load(const JobName& name);
-  Result<Job> load(std::int64_t number);
+  static Result<Job> load(Database& database, const JobName& name);
+  static Result<Job> load(Database& database, std::int64_t number);
   Result<Job> load_leased(const Lease& lease);
   Result<Job> move(Job job, JobState to, const LeaseHolder& holder = {});
   Result<Job> move_alone(Transaction transaction, Job job, JobState to);
@@ -73,7 +73,7 @@ class SqliteJobStore final : public JobStore {
 
   std::mutex mutex_;
   Database database_;
-  // A refusal must not wait for the disk behind the commits of others.
+  // What only reads must not wait for the disk, or for a lock, behind the commits of others.
   std::mutex reader_mutex_;
   Database reader_;
 };

@@ -96,7 +96,7 @@ Result<Submission> SqliteJobStore::submit(const NewJob& job, const SubmitLimits&
   if (auto done = enter_turn(job.name.tenant); !done) return done.error();
   const auto number = insert(job, *like);
   if (!number) return number.error();
-  auto stored = load(*number);
+  auto stored = load(database_, *number);
   if (!stored) return stored.error();
   // One that shares a result has ended by being made.
   if (auto told = add_delivery(database_, *stored); !told) return told.error();

@@ -21,10 +21,29 @@ std::uint64_t factor_of(Format format) {
   return 1;
 }
 
+/// Above what a process of any job takes, and what is measured per byte of the densest files there
+/// are: polygons of two bytes a triangle (see DESIGN.md).
+constexpr std::uint64_t kMostFloor = std::uint64_t{512} << 20U;
+constexpr std::uint64_t kMostFactor = 1024;
+
 }  // namespace
 
 std::uint64_t least_memory(Format format, std::uint64_t bytes) {
   return bytes * factor_of(format);
+}
+
+std::optional<std::uint64_t> most_memory(Format format, std::uint64_t bytes) {
+  switch (format) {
+    case Format::ply:
+    case Format::stl:
+    case Format::obj:
+      return kMostFloor + bytes * kMostFactor;
+    case Format::glb:
+    case Format::gltf:
+    case Format::drc:
+      break;
+  }
+  return std::nullopt;
 }
 
 }  // namespace fairway

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "proto/messages/format.h"
 
@@ -10,5 +11,9 @@ namespace fairway {
 /// a job is refused for it only where it could not be done. A glTF may be mostly images, which are
 /// passed on; the other formats are all mesh.
 std::uint64_t least_memory(Format format, std::uint64_t bytes);
+
+/// Address space in bytes that a job with a mesh file of so many bytes needs at most, from far
+/// above; none for formats that compress, where a few bytes may honestly become any mesh.
+std::optional<std::uint64_t> most_memory(Format format, std::uint64_t bytes);
 
 }  // namespace fairway

@@ -26,7 +26,10 @@ Result<WorkerEnd> run_once(const InspectionTask& task, const InspectionSetting& 
                            const Log& log, const std::stop_token& stop) {
   const auto nowhere = open_file("/dev/null", O_WRONLY);
   if (!nowhere) return nowhere.error();
-  const WorkerTask work{setting.worker, task.input(), nowhere->get(), task.order(), setting.limits};
+  const auto bytes = size_of(task.input());
+  if (!bytes) return bytes.error();
+  const WorkerTask work{task.input(), nowhere->get(), task.order(),
+                        limits_for(setting.limits, task.order().input, *bytes)};
   int text_lines = 0;
   const WorkerWatch watch{
       [](const Progress&) {},
@@ -40,7 +43,7 @@ Result<WorkerEnd> run_once(const InspectionTask& task, const InspectionSetting& 
       },
       setting.interrupt,
       [&](const ExitStatus& status) { setting.metrics.worker_ended(status.peak_resident_bytes); }};
-  return run_worker(work, watch);
+  return run_worker(setting.workers, work, watch);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -54,7 +53,7 @@ class InspectionTask {
 
 /// What an inspection runs with.
 struct InspectionSetting {
-  const std::filesystem::path& worker;
+  WorkerPool& workers;
   const WorkerLimits& limits;
   const EventFlag& interrupt;  ///< raised when a stop is requested
   ServiceMetrics& metrics;

@@ -17,6 +17,9 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kLookEvery{1000};
+/// To clear a disk takes somebody a while.
+constexpr milliseconds kStoragePause{5000};
+constexpr std::uint64_t kShortDisk = std::uint64_t{64} << 20U;
 constexpr int kMaxTextLines = 20;
 /// A state that cannot be written now (database locked, disk full) is tried again for so long;
 /// after that the lease runs out and the job is done again.
@@ -27,12 +30,12 @@ bool may_pass(ErrorCode code) {
   return code == ErrorCode::unavailable || code == ErrorCode::storage_full || code == ErrorCode::io;
 }
 
-/// A job may ask for less time than the server gives.
+/// A job may ask for less time than the server gives, and a small mesh needs less memory.
 WorkerLimits limits_of(const Job& job, WorkerLimits limits) {
   if (job.options.deadline) {
     limits.deadline = std::min<decltype(limits.deadline)>(limits.deadline, *job.options.deadline);
   }
-  return limits;
+  return limits_for(limits, job.input_format, job.input.bytes);
 }
 
 template <class Write>
@@ -47,11 +50,12 @@ Result<Job> insist(const Write& write) {
 
 }  // namespace
 
-Supervisor::Supervisor(JobStore& jobs, BlobStore& blobs, JobBoard& board, ServiceMetrics& metrics,
-                       const Log& log, SupervisorOptions options)
+Supervisor::Supervisor(JobStore& jobs, BlobStore& blobs, JobBoard& board, WorkerPool& workers,
+                       ServiceMetrics& metrics, const Log& log, SupervisorOptions options)
     : jobs_(jobs),
       blobs_(blobs),
       board_(board),
+      workers_(workers),
       metrics_(metrics),
       log_(log),
       options_(std::move(options)) {}
@@ -153,7 +157,7 @@ void Supervisor::serve_inspection(Slot& slot, const std::stop_token& stop) {
     task = std::move(inspections_.front());
     inspections_.pop_front();
   }
-  run_inspection(*task, {options_.worker, options_.limits, slot.interrupt, metrics_, log_}, stop);
+  run_inspection(*task, {workers_, options_.limits, slot.interrupt, metrics_, log_}, stop);
 }
 
 void Supervisor::serve(Slot& slot, std::stop_token stop) {
@@ -202,9 +206,7 @@ void Supervisor::execute(Slot& slot, const Claim& claim, std::stop_token stop) {
             {{"attempt", claim.job.attempt}, {"bytes", claim.job.input.bytes}});
   auto output = blobs_.create();
   if (!output) {
-    log.write(LogLevel::error, "spool_failed", {{"reason", output.error().message}});
-    hand_back(claim);
-    pause(kLookEvery, stop);
+    try_later(claim, output.error(), stop);
   } else if (auto end = run_process(slot, claim, **output, stop); end) {
     settle(claim, std::move(*end), **output, stop);
   } else if (may_pass(end.error().code)) {
@@ -226,8 +228,7 @@ Result<WorkerEnd> Supervisor::run_process(Slot& slot, const Claim& claim, BlobDr
   WorkerOrder order{claim.job.input_format, std::move(*parameters), claim.job.input_files};
   order.trace = claim.job.trace_id;
   return follow(slot, claim,
-                {options_.worker, input->get(), output.descriptor(), order,
-                 limits_of(claim.job, options_.limits)},
+                {input->get(), output.descriptor(), order, limits_of(claim.job, options_.limits)},
                 stop);
 }
 
@@ -249,7 +250,7 @@ Result<WorkerEnd> Supervisor::follow(Slot& slot, const Claim& claim, const Worke
       },
       [&] { return keep_going(slot, claim, next_beat, stop); }, slot.interrupt,
       [&](const ExitStatus& status) { metrics_.worker_ended(status.peak_resident_bytes); }};
-  auto end = run_worker(task, watch);
+  auto end = run_worker(workers_, task, watch);
   if (end && std::holds_alternative<Finished>(*end)) {
     const auto took =
         std::chrono::duration_cast<std::chrono::microseconds>(steady_clock::now() - began);
@@ -279,21 +280,27 @@ bool Supervisor::keep_going(Slot& slot, const Claim& claim, steady_clock::time_p
 
 void Supervisor::settle(const Claim& claim, WorkerEnd end, BlobDraft& output,
                         const std::stop_token& stop) {
-  if (const auto* finished = std::get_if<Finished>(&end)) return succeed(claim, *finished, output);
-  if (const auto* failed = std::get_if<Failed>(&end)) return fail(claim, failed->error);
+  if (const auto* finished = std::get_if<Finished>(&end)) {
+    return succeed(claim, *finished, output, stop);
+  }
+  if (const auto* failed = std::get_if<Failed>(&end)) {
+    const bool no_room = failed->error.code == ErrorCode::storage_full && disk_is_short(claim.job);
+    return no_room ? try_later(claim, failed->error, stop) : fail(claim, failed->error);
+  }
   if (const auto* death = std::get_if<WorkerDied>(&end)) return lose_worker(claim, *death);
   if (stop.stop_requested()) return hand_back(claim);
   about(log_, claim.job).write(LogLevel::info, "worker_stopped");
   board_.forget(claim.job.number);
 }
 
-void Supervisor::succeed(const Claim& claim, const Finished& finished, BlobDraft& output) {
+void Supervisor::succeed(const Claim& claim, const Finished& finished, BlobDraft& output,
+                         const std::stop_token& stop) {
   kill_point("worker.reaped");
   // The number makes it one of its kind: tenants may use the same ids.
   const std::string key =
       fmt::format("out-{}-{}-{}", claim.job.number, claim.lease.fence, claim.job.id);
   auto blob = output.commit(key);
-  if (!blob) return fail(claim, blob.error());
+  if (!blob) return try_later(claim, blob.error(), stop);
   if (blob->bytes == 0) {
     [[maybe_unused]] const auto removed = blobs_.remove(key);  // else swept at the next start
     return lose_worker(
@@ -310,6 +317,19 @@ void Supervisor::succeed(const Claim& claim, const Finished& finished, BlobDraft
 
 void Supervisor::fail(const Claim& claim, const Error& error) {
   conclude(claim, insist([&] { return jobs_.finish(claim.lease, error); }));
+}
+
+/// Whether it can be true that a worker found no room: what it says alone must not bring it back.
+bool Supervisor::disk_is_short(const Job& job) {
+  const auto left = blobs_.free_bytes();
+  return !left || *left < kShortDisk + 4 * job.input.bytes;
+}
+
+/// The disk has no room for a result, or does not take it: the machine's trouble, not the job's.
+void Supervisor::try_later(const Claim& claim, const Error& error, const std::stop_token& stop) {
+  about(log_, claim.job).write(LogLevel::error, "storage_failed", {{"reason", error.message}});
+  hand_back(claim);
+  pause(kStoragePause, stop);
 }
 
 void Supervisor::lose_worker(const Claim& claim, const WorkerDied& death) {

@@ -4,7 +4,6 @@
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <stop_token>
@@ -26,8 +25,7 @@ namespace fairway {
 
 struct SupervisorOptions {
   std::size_t slots = 1;
-  std::filesystem::path worker;  ///< the `fairway` program
-  std::string owner = "local";   ///< this worker host's lasting name in the store
+  std::string owner = "local";  ///< this worker host's lasting name in the store
   WorkerLimits limits;
   std::chrono::milliseconds lease{30000};
   std::chrono::milliseconds heartbeat{10000};
@@ -39,8 +37,8 @@ struct SupervisorOptions {
 class Supervisor {
  public:
   /// All references must outlive the supervisor.
-  Supervisor(JobStore& jobs, BlobStore& blobs, JobBoard& board, ServiceMetrics& metrics,
-             const Log& log, SupervisorOptions options);
+  Supervisor(JobStore& jobs, BlobStore& blobs, JobBoard& board, WorkerPool& workers,
+             ServiceMetrics& metrics, const Log& log, SupervisorOptions options);
   /// As stop().
   ~Supervisor();
 
@@ -94,7 +92,10 @@ class Supervisor {
   bool keep_going(Slot& slot, const Claim& claim, std::chrono::steady_clock::time_point& next_beat,
                   const std::stop_token& stop);
   void settle(const Claim& claim, WorkerEnd end, BlobDraft& output, const std::stop_token& stop);
-  void succeed(const Claim& claim, const Finished& finished, BlobDraft& output);
+  void succeed(const Claim& claim, const Finished& finished, BlobDraft& output,
+               const std::stop_token& stop);
+  bool disk_is_short(const Job& job);
+  void try_later(const Claim& claim, const Error& error, const std::stop_token& stop);
   void fail(const Claim& claim, const Error& error);
   void lose_worker(const Claim& claim, const WorkerDied& death);
   void hand_back(const Claim& claim);
@@ -104,6 +105,7 @@ class Supervisor {
   JobStore& jobs_;
   BlobStore& blobs_;
   JobBoard& board_;
+  WorkerPool& workers_;
   ServiceMetrics& metrics_;
   const Log& log_;
   const SupervisorOptions options_;

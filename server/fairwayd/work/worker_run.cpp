@@ -12,6 +12,7 @@
 #include <sys/socket.h>
 
 #include "proto/messages/problem.h"
+#include "server/os/descriptor_passing.h"
 #include "server/os/kill_point.h"
 #include "server/os/line_reader.h"
 
@@ -27,31 +28,34 @@ constexpr milliseconds kLeaveWithin{5000};
 /// The kernel accounts processor time to about this.
 constexpr milliseconds kTick{50};
 
-SpawnRequest spawn_request(const WorkerTask& task, int socket) {
-  SpawnRequest request;
-  request.program = task.program;
-  request.arguments = {"worker"};
-  if (task.limits.address_space != 0) {
-    request.arguments.push_back("--address-space");
-    request.arguments.push_back(fmt::to_string(task.limits.address_space));
-  }
-  request.arguments.push_back("--cpu-seconds");
-  request.arguments.push_back(fmt::to_string(task.limits.cpu.count()));
-  request.environment = KillOrder::of_process().for_next_worker();
-  request.descriptors = {task.input, task.output, socket};
-  return request;
+/// What a job may use of what its worker, which waited for any job, has allowed itself. It fails
+/// only where the worker has already ended.
+void limit_from_outside(pid_t pid, const WorkerLimits& limits) {
+  const auto limit = [pid](__rlimit_resource resource, rlim_t soft, rlim_t hard) {
+    const rlimit both{soft, hard};
+    ::prlimit(pid, resource, &both, nullptr);
+  };
+  const std::uint64_t result =
+      limits.result_bytes != 0 ? limits.result_bytes : limits.address_space;
+  if (limits.address_space != 0) limit(RLIMIT_AS, limits.address_space, limits.address_space);
+  if (result != 0) limit(RLIMIT_FSIZE, result, result);
+  const auto seconds = static_cast<rlim_t>(limits.cpu.count());
+  limit(RLIMIT_CPU, seconds, seconds + 1);
 }
 
-/// The worker sets the same limits on itself before it reads a byte; this is the second lock on the
-/// door, and it fails only if the worker has already ended.
-void limit_from_outside(pid_t pid, const WorkerLimits& limits) {
-  if (limits.address_space != 0) {
-    const rlimit space{limits.address_space, limits.address_space};
-    ::prlimit(pid, RLIMIT_AS, &space, nullptr);
+/// A worker of the pool that has the order and its files.
+Result<WaitingWorker> engage(WorkerPool& pool, const WorkerTask& task) {
+  const std::string order = format_line(task.order);
+  while (true) {
+    auto worker = pool.take();
+    if (!worker) return worker.error();
+    limit_from_outside(worker->process.pid(), task.limits);
+    kill_point("worker.spawned");
+    const auto sent =
+        send_with_descriptors(worker->socket.get(), order, std::array{task.input, task.output});
+    // Of one that was started for this task, its last words and its exit status tell more.
+    if (sent || !worker->was_kept) return worker;
   }
-  const auto seconds = static_cast<rlim_t>(limits.cpu.count());
-  const rlimit cpu{seconds, seconds + 1};
-  ::prlimit(pid, RLIMIT_CPU, &cpu, nullptr);
 }
 
 Error time_limit(std::string_view what) {
@@ -70,10 +74,9 @@ class Conversation {
         cpu_limit_(task.limits.cpu),
         deadline_(Clock::now() + task.limits.deadline) {}
 
-  WorkerEnd follow(const WorkerOrder& order);
+  WorkerEnd follow();
 
  private:
-  void send(const std::string& line) const;
   void wait_for_something() const;
   void read_lines();
   void hear(const std::string& line);
@@ -92,10 +95,7 @@ class Conversation {
   std::optional<WorkerEvent> last_;  ///< Finished or Failed, once heard
 };
 
-WorkerEnd Conversation::follow(const WorkerOrder& order) {
-  // This fails where the worker has ended before reading; what it said until then, and its exit
-  // status, tell more than the failure.
-  send(format_line(order));
+WorkerEnd Conversation::follow() {
   while (true) {
     wait_for_something();
     if (socket_open_) read_lines();
@@ -110,17 +110,6 @@ WorkerEnd Conversation::follow(const WorkerOrder& order) {
     const ExitStatus status = process_.wait();
     watch_.on_exit(status);
     return end_of(status);
-  }
-}
-
-void Conversation::send(const std::string& line) const {
-  std::string_view rest = line;
-  while (!rest.empty()) {
-    // A worker that never reads cannot hold the supervisor: an order fits into the socket's buffer
-    // in practice, and where it does not, SO_SNDTIMEO ends the wait.
-    const ssize_t sent = ::send(socket_, rest.data(), rest.size(), MSG_NOSIGNAL);
-    if (sent <= 0) return;
-    rest.remove_prefix(static_cast<std::size_t>(sent));
   }
 }
 
@@ -206,6 +195,17 @@ WorkerEnd Conversation::end_of_signal(const ExitStatus& status) const {
   // The kernel ends a process at its soft limit with SIGXCPU, at its hard limit with SIGKILL.
   const bool used_up = status.signal == SIGKILL && status.processor_time >= cpu_limit_ - kTick;
   if (status.signal == SIGXCPU || used_up) return Failed{time_limit("limit of processor time")};
+  if (status.signal == SIGXFSZ) {
+    return Failed{{ErrorCode::too_large,
+                   "The result is larger than a result may be: ask for fewer attributes, a "
+                   "compressed output, or another format."}};
+  }
+  if (status.signal == SIGSYS) {
+    return WorkerDied{{ErrorCode::worker_crashed,
+                       "The worker was ended, twice, because it did what no worker may do: this "
+                       "input may have met a defect of fairway."},
+                      fmt::format("forbidden system call (signal {})", status.signal)};
+  }
   return WorkerDied{
       {ErrorCode::worker_crashed,
        fmt::format("The worker was ended by signal {}, twice: this input may have met "
@@ -216,17 +216,10 @@ WorkerEnd Conversation::end_of_signal(const ExitStatus& status) const {
 
 }  // namespace
 
-Result<WorkerEnd> run_worker(const WorkerTask& task, const WorkerWatch& watch) {
-  auto ends = socket_pair();
-  if (!ends) return ends.error();
-  const timeval patience{5, 0};
-  ::setsockopt(ends->first.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-  auto process = ChildProcess::spawn(spawn_request(task, ends->second.get()));
-  if (!process) return process.error();
-  ends->second.reset();  // so that the end of the worker is the end of the stream
-  limit_from_outside(process->pid(), task.limits);
-  kill_point("worker.spawned");
-  return Conversation(task, watch, *process, ends->first.get()).follow(task.order);
+Result<WorkerEnd> run_worker(WorkerPool& pool, const WorkerTask& task, const WorkerWatch& watch) {
+  auto worker = engage(pool, task);
+  if (!worker) return worker.error();
+  return Conversation(task, watch, worker->process, worker->socket.get()).follow();
 }
 
 }  // namespace fairway

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <chrono>
-#include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -10,21 +7,15 @@
 
 #include "core/result.h"
 #include "proto/messages/worker_protocol.h"
+#include "server/fairwayd/work/worker_limits.h"
+#include "server/fairwayd/work/worker_pool.h"
 #include "server/os/child_process.h"
 #include "server/os/event_flag.h"
 
 namespace fairway {
 
-/// Walls around one worker process.
-struct WorkerLimits {
-  std::uint64_t address_space = std::uint64_t{4} << 30;  ///< bytes; 0 = none
-  std::chrono::seconds cpu{600};                         ///< of all its threads together
-  std::chrono::seconds deadline{300};                    ///< wall clock, then SIGKILL
-};
-
 /// One job for one process. The descriptors are regular files and stay the caller's.
 struct WorkerTask {
-  std::filesystem::path program;
   int input = -1;
   int output = -1;
   WorkerOrder order;
@@ -53,11 +44,12 @@ struct WorkerDied {
 struct WorkerStopped {};
 
 /// How it went. `Finished`: the worker exited with 0 after saying so. `Failed`: it said why the job
-/// cannot be done, or met its CPU limit or deadline (time_limit).
+/// cannot be done, or met its CPU limit or deadline (time_limit) or that of its result (too_large).
 using WorkerEnd = std::variant<Finished, Failed, WorkerDied, WorkerStopped>;
 
-/// Starts a worker, follows it to its end, reaps it. Errors: unavailable or io where no process
-/// could be started: nothing was tried.
-Result<WorkerEnd> run_worker(const WorkerTask& task, const WorkerWatch& watch);
+/// Gives the task to a worker of the pool, follows it to its end, reaps it. A worker that died
+/// before it had an order is no matter of the task: another one gets it. Errors: unavailable or io
+/// where no process could be started: nothing was tried.
+Result<WorkerEnd> run_worker(WorkerPool& pool, const WorkerTask& task, const WorkerWatch& watch);
 
 }  // namespace fairway

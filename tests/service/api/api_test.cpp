@@ -11,8 +11,10 @@
 #include "server/fairwayd/store/sqlite_job_store.h"
 #include "server/fairwayd/store/sqlite_outbox.h"
 #include "server/fairwayd/store/sqlite_upload_store.h"
+#include "server/fairwayd/work/worker_pool.h"
 #include "server/os/file.h"
 #include "server/os/random_id.h"
+#include "tests/places.h"
 #include "tests/service/support/sample_glb.h"
 #include "tests/service/support/temporary_directory.h"
 
@@ -58,8 +60,8 @@ class Fixture {
         ResumableUploads::open(*upload_rows_, *blobs_, directory_.path() / "uploads", {});
     REQUIRE(uploads);
     uploads_ = std::move(*uploads);
-    supervisor_ =
-        std::make_unique<Supervisor>(*jobs_, *blobs_, board_, metrics_, log_, SupervisorOptions{});
+    supervisor_ = std::make_unique<Supervisor>(*jobs_, *blobs_, board_, workers_, metrics_, log_,
+                                               SupervisorOptions{});
     api_ = std::make_unique<Api>(
         *jobs_, *blobs_, *uploads_, *outbox_, board_, *supervisor_, metrics_, gate_, log_,
         ApiOptions{std::uint64_t{1} << 20, queue_limit}, std::stop_token());
@@ -82,6 +84,7 @@ class Fixture {
   UniqueFd null_{::open("/dev/null", O_WRONLY | O_CLOEXEC)};
   Log log_{null_.get()};
   JobBoard board_;
+  WorkerPool workers_{test::program("fairway"), {}, 0, log_};  // never started
   ServiceMetrics metrics_{"test"};
   const Gate gate_{nullptr};
   std::unique_ptr<JobStore> jobs_;

@@ -144,7 +144,7 @@ void walk_retry_job(ContractWalk& walk) {
   CHECK(retry(waiting) == 410);
   std::filesystem::remove_all(stage.directory.path() / "blobs");
   std::ofstream(stage.directory.path() / "blobs") << "no folder";
-  CHECK(retry(waiting) == 500);
+  CHECK(retry(waiting) == 503);
   see_job_refusals(walk, stage);
 }
 

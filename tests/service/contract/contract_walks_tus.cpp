@@ -96,7 +96,7 @@ void see_defects(const Asker& ask, const Stage& stage, const WireRequest& reques
   const std::filesystem::path uploads = stage.directory.path() / "uploads";
   std::filesystem::remove_all(uploads);
   std::ofstream(uploads) << "no directory";
-  CHECK(ask(request).status == 500);
+  CHECK(ask(request).status == 503);
   std::filesystem::remove(uploads);
   std::filesystem::create_directory(uploads);
   break_store(stage);

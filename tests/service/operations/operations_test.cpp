@@ -40,18 +40,6 @@ class ChangingWorker {
   TemporaryDirectory directory_;
 };
 
-/// Asks until the answer has this status.
-Json ask_until(const HttpClient& client, const std::string& path, int status) {
-  const auto until = std::chrono::steady_clock::now() + kPatience;
-  while (true) {
-    const Answer answer = client.get(path);
-    CAPTURE(answer.status, answer.body);
-    if (answer.status == status) return answer.json();
-    REQUIRE(std::chrono::steady_clock::now() < until);
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-}
-
 /// The samples of a text of metrics by name with labels; fails the test where it is no such text.
 std::map<std::string, double> samples_of(const Answer& answer) {
   REQUIRE(answer.status == 200);
@@ -105,8 +93,8 @@ TEST_CASE("a service that can work is alive and ready") {
   CHECK(ready.header("cache-control") == "no-store");
   const Json document = ready.json();
   CHECK(document["status"] == "ready");
-  CHECK(document["checks"].size() == 4);
-  for (const char* check : {"store", "data", "disk", "worker"}) {
+  CHECK(document["checks"].size() == 5);
+  for (const char* check : {"store", "data", "disk", "worker", "sandbox"}) {
     CHECK(document["checks"][check]["ok"] == true);
   }
   CHECK(service.client().get("/readyz?canary=2").problem() == "bad_request");
@@ -149,13 +137,30 @@ TEST_CASE("a service whose worker does not start is alive and not ready, until i
 TEST_CASE("a worker that starts and cannot work is found by the canary") {
   const TemporaryDirectory directory;
   const ChangingWorker worker;
-  worker.become("[ \"$1\" = --version ]");
+  worker.become("[ \"$1\" = --version ] || [ \"$2\" = --self-test-sandbox ]");
   const ServiceProcess service(directory.path(), {"--worker", worker.path()});
   CHECK(service.client().get("/readyz").status == 200);
   const Answer answer = service.client().get("/readyz?canary=1");
   CHECK(answer.status == 503);
   CHECK(answer.json()["checks"]["worker"]["ok"] == true);
   CHECK(answer.json()["checks"]["canary"]["ok"] == false);
+}
+
+TEST_CASE("a service whose sandbox does not hold is not ready, and logs what was let through") {
+  const TemporaryDirectory directory;
+  const ChangingWorker worker;
+  const std::string tool = program("fairway");
+  worker.become("[ \"$2\" = --self-test-sandbox ] && exec " + tool +
+                " worker --self-test-unconfined\nexec " + tool + " \"$@\"");
+  const auto log = directory.path() / "log";
+  const ServiceProcess service(directory.path() / "data", {"--worker", worker.path()}, log);
+  const Answer answer = service.client().get("/readyz");
+  CHECK(answer.status == 503);
+  CHECK(answer.json()["checks"]["worker"]["ok"] == true);
+  CHECK(answer.json()["checks"]["sandbox"]["ok"] == false);
+  std::ifstream file(log);
+  const std::string said{std::istreambuf_iterator<char>(file), {}};
+  CHECK(said.find("FAILED forbidden open a file") != std::string::npos);
 }
 
 TEST_CASE("asking for readiness does not start a worker every time") {

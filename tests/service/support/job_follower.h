@@ -31,7 +31,8 @@ Json follow(const HttpClient& client, const std::string& path, const Enough& eno
 /// The document once the job has come to its end.
 inline Json wait_until_final(const HttpClient& client, const std::string& path) {
   return follow(client, path, [](const Json& job) {
-    return job["state"] != "queued" && job["state"] != "running";
+    const std::string state = job["state"];
+    return state != "queued" && state != "running";
   });
 }
 
@@ -41,6 +42,18 @@ inline Json wait_until_busy(const HttpClient& client, const std::string& path) {
     REQUIRE((job["state"] == "queued" || job["state"] == "running"));
     return job["state"] == "running" && job.contains("progress") && job["progress"]["step"] > 0;
   });
+}
+
+/// Asks until the answer has this status.
+inline Json ask_until(const HttpClient& client, const std::string& path, int status) {
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  while (true) {
+    const Answer answer = client.get(path);
+    CAPTURE(answer.status, answer.body);
+    if (answer.status == status) return answer.json();
+    REQUIRE(std::chrono::steady_clock::now() < until);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
 }
 
 /// POSTs a mesh to /v1/jobs and returns the job's path.

@@ -13,6 +13,7 @@
 #include "server/os/file.h"
 #include "server/os/line_reader.h"
 #include "tests/places.h"
+#include "tests/service/support/worker_processes.h"
 
 namespace fairway::test {
 namespace {
@@ -85,14 +86,18 @@ ExitStatus ServiceProcess::stop() {
   return process_->wait();
 }
 
-std::vector<pid_t> ServiceProcess::workers() const {
-  std::vector<pid_t> found;
-  const auto tasks = fmt::format("/proc/{}/task", pid());
-  for (const auto& task : std::filesystem::directory_iterator(tasks)) {
-    std::ifstream children(task.path() / "children");
-    for (pid_t child; children >> child;) found.push_back(child);
+std::size_t ServiceProcess::descriptors() const {
+  std::size_t count = 0;
+  for ([[maybe_unused]] const auto& entry :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(pid()) + "/fd")) {
+    ++count;
   }
-  return found;
+  return count;
+}
+
+/// Those that have an order.
+std::vector<pid_t> ServiceProcess::workers() const {
+  return children_called(kWorkingWorker, pid());
 }
 
 Refusal refused_start(const std::vector<std::string>& arguments) {

@@ -38,6 +38,8 @@ class ServiceProcess {
   /// SIGTERM, and the exit status.
   ExitStatus stop();
 
+  /// How many descriptors it has open.
+  std::size_t descriptors() const;
   /// Process ids of the workers that run now.
   std::vector<pid_t> workers() const;
 

@@ -39,12 +39,13 @@ class Fixture {
     auto output = open_file(directory_.path() / "output", O_RDWR | O_CREAT | O_TRUNC);
     auto interrupt = EventFlag::create();
     REQUIRE((input && output && interrupt));
-    const WorkerTask task{program, input->get(), output->get(), {}, limits};
+    WorkerPool pool(program, limits, 0, log_);
+    const WorkerTask task{input->get(), output->get(), {}, limits};
     const WorkerWatch watch{[&](const Progress& progress) { progresses.push_back(progress); },
                             [&](std::string_view text) { texts.emplace_back(text); },
                             [&] { return ++asked <= patience; }, *interrupt,
                             [&](const ExitStatus& status) { exits.push_back(status); }};
-    return run_worker(task, watch);
+    return run_worker(pool, task, watch);
   }
 
   WorkerLimits limits{0, 60s, 20s};
@@ -56,6 +57,8 @@ class Fixture {
 
  private:
   test::TemporaryDirectory directory_;
+  UniqueFd null_{::open("/dev/null", O_WRONLY | O_CLOEXEC)};
+  Log log_{null_.get()};
 };
 
 }  // namespace
@@ -111,6 +114,21 @@ TEST_CASE("a signal is a death of the worker") {
   REQUIRE(std::holds_alternative<WorkerDied>(end));
   CHECK(std::get<WorkerDied>(end).cause.code == ErrorCode::worker_crashed);
   CHECK(std::get<WorkerDied>(end).how == fmt::format("signal {}", SIGSEGV));
+}
+
+TEST_CASE("a forbidden system call is a death of the worker, and named in its log line") {
+  Fixture f;
+  const auto end = f.run("kill -SYS $$");
+  REQUIRE(std::holds_alternative<WorkerDied>(end));
+  CHECK(std::get<WorkerDied>(end).cause.code == ErrorCode::worker_crashed);
+  CHECK(std::get<WorkerDied>(end).how.starts_with("forbidden system call"));
+}
+
+TEST_CASE("a result beyond its limit is a failure that says so") {
+  Fixture f;
+  const auto end = f.run("kill -XFSZ $$");
+  REQUIRE(std::holds_alternative<Failed>(end));
+  CHECK(std::get<Failed>(end).error.code == ErrorCode::too_large);
 }
 
 TEST_CASE("the exit code of the memory limit is told apart from a crash") {

@@ -1,18 +1,19 @@
-// `fairway worker`: one job of fairwayd. Untrusted bytes are parsed in this process only, under the
-// limits it sets for itself before it looks at the first of them.
+// `fairway worker`: one job of fairwayd. Untrusted bytes are parsed in this process only, behind
+// the walls that it has closed around itself before it looks at the first of them.
 
 #include <algorithm>
+#include <cstdlib>
+#include <exception>
 #include <functional>
 #include <new>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <signal.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -24,10 +25,12 @@
 #include "server/fairway/inspect.h"
 #include "server/fairway/pipeline.h"
 #include "server/fairway/progress_pace.h"
+#include "server/fairway/worker/received_order.h"
+#include "server/fairway/worker/self_test.h"
 #include "server/os/file.h"
 #include "server/os/kill_point.h"
-#include "server/os/line_reader.h"
 #include "server/os/memory.h"
+#include "server/os/sandbox.h"
 
 namespace fairway {
 namespace {
@@ -55,31 +58,17 @@ void send(const WorkerEvent& event) {
   send(format_line(event));
 }
 
-/// No limit where `soft` is 0.
-bool limit(__rlimit_resource resource, std::uint64_t soft, std::uint64_t hard) {
-  const rlimit both = {soft, hard};
-  return soft == 0 || setrlimit(resource, &both) == 0;
+/// For those who list processes; the tests tell workers apart by it.
+void call_itself(const char* name) {
+  ::prctl(PR_SET_NAME, name);
 }
 
-Result<void> confine(const WorkerCommand& command) {
-  // At the soft limit of processor time a signal says so, a second later the process is killed.
-  const bool confined = prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 &&
-                        prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
-                        limit(RLIMIT_AS, command.address_space, command.address_space) &&
-                        limit(RLIMIT_CPU, command.cpu_seconds, command.cpu_seconds + 1);
-  const rlimit no_core = {0, 0};
-  if (!confined || setrlimit(RLIMIT_CORE, &no_core) != 0) {
-    return Error{ErrorCode::internal, "The worker cannot confine itself."};
+/// Takes the files of an order as descriptors 0 and 1 and closes all but the three.
+Result<void> adopt(ReceivedOrder order) {
+  if (::dup2(order.input.get(), kInput) < 0 || ::dup2(order.output.get(), kOutput) < 0) {
+    return file_error("take the files of the order", errno);
   }
   return {};
-}
-
-Result<WorkerOrder> receive_order() {
-  LineReader reader(kEvents, kMaxWorkerLine);
-  for (;;) {
-    if (const auto line = reader.next()) return parse_worker_order(*line);
-    if (reader.fill() != LineReader::Status::data) leave();
-  }
 }
 
 /// What an order came to; an inspection writes nothing.
@@ -138,17 +127,14 @@ void log_failure(const std::string& trace, const Error& error) {
   send(line + "\n");
 }
 
-/// Leaves the order's trace in `trace` as soon as it is known.
-Result<void> work(const WorkerCommand& command, std::string& trace) {
-  if (Result<void> confined = confine(command); !confined) return confined;
-  const Result<WorkerOrder> order = receive_order();
+/// The input as it is mapped, behind closed walls.
+Result<void> carry_out(std::string_view line, std::span<const std::byte> input,
+                       std::string& trace) {
+  const Result<WorkerOrder> order = parse_worker_order(line);
   if (!order) return order.error();
   trace = order->trace;
   kill_point("order.received");
-  const Result<InputFile> input = InputFile::map(kInput);
-  if (!input) return input.error();
-  prepare_heap(heap_estimate(input->bytes().size()));
-  Result<Outcome> outcome = run_order(*order, input->bytes());
+  Result<Outcome> outcome = run_order(*order, input);
   if (!outcome) return outcome.error();
   kill_point("output.write");
   if (Result<void> written = write_all(kOutput, outcome->bytes.pieces()); !written) {
@@ -160,6 +146,29 @@ Result<void> work(const WorkerCommand& command, std::string& trace) {
   return {};
 }
 
+/// Waits, confined but for the filter, until there is an order. Mapping the input reads none of it,
+/// and keeps the calls for it off the filter's list. Leaves the order's trace in `trace` as soon as
+/// it is known.
+Result<void> work(const WorkerCommand& command, std::string& trace) {
+  call_itself("fairway-idle");
+  KillOrder::of_process();
+  // What is written stands in memory first, so no result is larger than all of that.
+  Result<Sandbox> sandbox =
+      Sandbox::prepare({command.address_space, command.cpu_seconds, command.address_space});
+  if (!sandbox) return sandbox.error();
+  Result<ReceivedOrder> received = receive_order(kEvents);
+  if (!received && received.error().code == ErrorCode::canceled) leave();
+  if (!received) return received.error();
+  call_itself("fairway-job");
+  const std::string line = std::move(received->line);
+  if (Result<void> adopted = adopt(*std::move(received)); !adopted) return adopted;
+  const Result<InputFile> input = InputFile::map(kInput);
+  if (!input) return input.error();
+  prepare_heap(heap_estimate(input->bytes().size()));
+  if (Result<void> closed = sandbox->close(); !closed) return closed;
+  return carry_out(line, input->bytes(), trace);
+}
+
 Result<void> work_within_memory(const WorkerCommand& command, std::string& trace) {
   try {
     return work(command, trace);
@@ -169,9 +178,23 @@ Result<void> work_within_memory(const WorkerCommand& command, std::string& trace
   }
 }
 
+/// Where memory is wanting in a function that must not throw, or in telling that it is, the exit code
+/// tells it.
+[[noreturn]] void end_without_words() {
+  try {
+    if (std::current_exception()) std::rethrow_exception(std::current_exception());
+  } catch (const std::bad_alloc&) {
+    _exit(problem_kind(ErrorCode::memory_limit).exit_code);
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the signal tells it
+  }
+  std::abort();
+}
+
 }  // namespace
 
 int run(const WorkerCommand& command) {
+  if (command.self_test) return test_sandbox(*command.self_test);
+  std::set_terminate(end_without_words);
   std::string trace;
   const Result<void> done = work_within_memory(command, trace);
   if (done) return 0;
