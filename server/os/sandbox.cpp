@@ -56,9 +56,9 @@ int add_rules(scmp_filter_ctx filter) {
   for (const int call : kCalls) {
     if (const int error = allow(filter, call); error != 0) return error;
   }
-  const scmp_arg_cmp no_code = SCMP_A2_64(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0);
-  const scmp_arg_cmp myself = SCMP_A0_64(SCMP_CMP_EQ, static_cast<scmp_datum_t>(::getpid()));
-  const scmp_arg_cmp no_address = SCMP_A4_64(SCMP_CMP_EQ, 0);
+  const scmp_arg_cmp no_code = {2, SCMP_CMP_MASKED_EQ, PROT_EXEC, 0};
+  const scmp_arg_cmp myself = {0, SCMP_CMP_EQ, static_cast<scmp_datum_t>(::getpid()), 0};
+  const scmp_arg_cmp no_address = {4, SCMP_CMP_EQ, 0, 0};
   int error = allow(filter, SCMP_SYS(mmap), no_code);
   if (error == 0) error = allow(filter, SCMP_SYS(mprotect), no_code);
   if (error == 0) error = allow(filter, SCMP_SYS(sendto), no_address);

@@ -9,12 +9,14 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+// NOLINTBEGIN(readability-identifier-naming): glibc names them.
 extern "C" {
 void* __libc_malloc(size_t size);
 void* __libc_calloc(size_t count, size_t size);
 void* __libc_realloc(void* block, size_t size);
 void* __libc_memalign(size_t alignment, size_t size);
 }
+// NOLINTEND(readability-identifier-naming)
 
 namespace {
 
