@@ -3,6 +3,7 @@
 
 #include "server/os/sandbox.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -66,8 +67,11 @@ int add_rules(scmp_filter_ctx filter) {
   return error;
 }
 
+/// Never above what is set already: whoever started this process may have been quicker.
 bool limit(__rlimit_resource resource, rlim_t soft, rlim_t hard) {
-  const rlimit both = {soft, hard};
+  rlimit now{};
+  if (::getrlimit(resource, &now) != 0) return false;
+  const rlimit both = {std::min(soft, now.rlim_max), std::min(hard, now.rlim_max)};
   return ::setrlimit(resource, &both) == 0;
 }
 

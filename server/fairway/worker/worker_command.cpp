@@ -178,8 +178,8 @@ Result<void> work_within_memory(const WorkerCommand& command, std::string& trace
   }
 }
 
-/// Where memory is wanting in a function that must not throw, or in telling that it is, the exit code
-/// tells it.
+/// Where memory is wanting in a function that must not throw, or in telling that it is, the exit
+/// code tells it.
 [[noreturn]] void end_without_words() {
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
