@@ -300,7 +300,10 @@ void Supervisor::succeed(const Claim& claim, const Finished& finished, BlobDraft
   const std::string key =
       fmt::format("out-{}-{}-{}", claim.job.number, claim.lease.fence, claim.job.id);
   auto blob = output.commit(key);
-  if (!blob) return try_later(claim, blob.error(), stop);
+  if (!blob) {
+    return may_pass(blob.error().code) ? try_later(claim, blob.error(), stop)
+                                       : fail(claim, blob.error());
+  }
   if (blob->bytes == 0) {
     [[maybe_unused]] const auto removed = blobs_.remove(key);  // else swept at the next start
     return lose_worker(

@@ -11,6 +11,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include "server/fairwayd/operations/sandbox_check.h"
 #include "server/fairwayd/work/worker_run.h"
@@ -106,6 +107,30 @@ bool is_gone(pid_t pid) {
   }
   return true;
 }
+
+/// A small mesh for a worker of one's own.
+class SmallTask {
+ public:
+  SmallTask() {
+    REQUIRE((input_ && output_ && never_));
+    const std::string mesh = noisy_torus(20);
+    REQUIRE(write_all(input_->get(), std::as_bytes(std::span(mesh))));
+  }
+
+  Result<WorkerEnd> run(const std::filesystem::path& worker, const WorkerLimits& limits) const {
+    const Log log(output_->get());
+    WorkerPool pool(worker, limits, 0, log);
+    const WorkerWatch watch{[](const Progress&) {}, [](std::string_view) {}, [] { return true; },
+                            *never_};
+    return run_worker(pool, {input_->get(), output_->get(), {}, limits}, watch);
+  }
+
+ private:
+  const TemporaryDirectory directory_;
+  const Result<UniqueFd> input_ = open_file(directory_.path() / "input", O_RDWR | O_CREAT);
+  const Result<UniqueFd> output_ = open_file(directory_.path() / "output", O_RDWR | O_CREAT);
+  const Result<EventFlag> never_ = EventFlag::create();
+};
 
 }  // namespace
 
@@ -207,28 +232,31 @@ TEST_CASE("a job whose worker makes two forbidden calls fails for good") {
 }
 
 TEST_CASE("a worker whose result outgrows its limit is ended, and the job says so") {
-  const TemporaryDirectory directory;
-  const auto input = open_file(directory.path() / "input", O_RDWR | O_CREAT);
-  const auto output = open_file(directory.path() / "output", O_RDWR | O_CREAT);
-  const auto never = EventFlag::create();
-  REQUIRE((input && output && never));
-  const std::string mesh = noisy_torus(20);
-  REQUIRE(write_all(input->get(), std::as_bytes(std::span(mesh))));
-  const Log log(output->get());
+  const SmallTask task;
   WorkerLimits limits;
   limits.address_space = 0;
-  WorkerPool pool(program("fairway"), limits, 0, log);
-  const WorkerWatch watch{[](const Progress&) {}, [](std::string_view) {}, [] { return true; },
-                          *never};
-  const auto run = [&] {
-    return run_worker(pool, {input->get(), output->get(), {}, limits}, watch);
-  };
-  auto end = run();
+  auto end = task.run(program("fairway"), limits);
   REQUIRE(end);
   CHECK(std::holds_alternative<Finished>(*end));
   limits.result_bytes = 1000;
-  end = run();
+  end = task.run(program("fairway"), limits);
   REQUIRE(end);
   REQUIRE(std::holds_alternative<Failed>(*end));
   CHECK(std::get<Failed>(*end).error.code == ErrorCode::too_large);
 }
+
+#ifndef FAIRWAY_SANITIZED  // sanitizers reserve terabytes
+TEST_CASE("a worker whose limits were lowered before it set its own keeps to the lower ones") {
+  const SmallTask task;
+  const TemporaryDirectory place;
+  const auto worker = place.path() / "worker";
+  std::ofstream(worker) << "#!/bin/sh\nulimit -v 1048576\nexec " << program("fairway")
+                        << " \"$@\"\n";
+  ::chmod(worker.c_str(), 0700);
+  WorkerLimits limits;
+  limits.address_space = std::uint64_t{2} << 30;
+  const auto end = task.run(worker, limits);
+  REQUIRE(end);
+  CHECK(std::holds_alternative<Finished>(*end));
+}
+#endif
