@@ -10,6 +10,7 @@
 #include "proto/formats/gltf_patch.h"
 #include "proto/formats/gltf_scene.h"
 #include "proto/formats/gltf_surfaces.h"
+#include "proto/formats/gltf_text.h"
 
 namespace fairway {
 namespace {
@@ -92,6 +93,7 @@ Result<std::unique_ptr<Document>> decode_gltf(ByteSpan bytes, Format format,
                                               const SideFiles& side_files) {
   const auto parts = take_apart(bytes, format);
   if (!parts) return parts.error();
+  if (const auto done = check_gltf_text(parts->json); !done) return done.error();
   auto json = parse_json(parts->json);
   if (!json) return json.error();
   const JsonPlace root(*json, "");

@@ -7,6 +7,8 @@
 namespace fairway {
 namespace {
 
+constexpr std::size_t kMaxDracoAttributes = 256;
+
 /// Whether the values of an attribute can be those of the accessor that labels it. Asked when the
 /// file is read, so that nothing is left to be found out after the work is done.
 Result<void> check_label(const DracoMesh& mesh, const DracoAttribute& attribute,
@@ -55,6 +57,10 @@ Result<std::optional<DracoUse>> read_draco_use(const JsonPlace& primitive,
   DracoUse use;
   use.view = *view;
   if (*attributes) {
+    if ((*attributes)->size() > kMaxDracoAttributes) {
+      return (*attributes)
+          ->error("more attributes are stated than Draco data has; leave some out.");
+    }
     for (const auto& item : (*attributes)->json().items()) {
       const auto id = (*attributes)->required_count(item.key());
       if (!id) return id.error();

@@ -15,12 +15,22 @@ namespace fairway {
 namespace {
 
 constexpr std::uint64_t kLastMode = 6;
+/// More than any renderer takes. Members of an object are found one by one, so that without a limit
+/// one primitive could cost minutes.
+constexpr std::size_t kMaxAttributes = 256;
+
+Result<void> check_attribute_count(const JsonPlace& attributes) {
+  if (attributes.size() <= kMaxAttributes) return {};
+  return attributes.error(fmt::format("{} attributes are stated, {} are read; leave some out.",
+                                      attributes.size(), kMaxAttributes));
+}
 
 Result<std::map<std::string, std::size_t, std::less<>>> read_attributes(const JsonPlace& primitive,
                                                                         const GltfTables& tables) {
   const auto attributes = primitive.object("attributes");
   if (!attributes) return attributes.error();
   if (!*attributes) return primitive.error("\"attributes\" is missing.");
+  if (auto done = check_attribute_count(**attributes); !done) return done.error();
   std::map<std::string, std::size_t, std::less<>> out;
   for (const auto& item : (*attributes)->json().items()) {
     const auto accessor = (*attributes)->required_index(item.key(), tables.accessors.size());
@@ -49,6 +59,7 @@ Result<void> check_targets(const JsonPlace& primitive, const GltfTables& tables)
   for (std::size_t i = 0; *targets && i < (*targets)->size(); ++i) {
     const JsonPlace target = (**targets)[i];
     if (!target.json().is_object()) return target.error("this must be an object.");
+    if (auto done = check_attribute_count(target); !done) return done;
     for (const auto& item : target.json().items()) {
       const auto accessor = target.required_index(item.key(), tables.accessors.size());
       if (!accessor) return accessor.error();

@@ -74,6 +74,7 @@ class SurfaceGatherer {
   bool quantized_;
   std::uint64_t spent_ = 0;
   std::uint64_t decoded_ = 0;
+  std::uint64_t draco_bytes_ = 0;  ///< of all views that were decoded
   // Of the mesh at hand: POSITION, indices and Draco view of its primitives; POSITION, NORMAL and
   // Draco view of its blocks.
   std::map<std::tuple<std::size_t, Accessor, Accessor>, std::size_t> repeats_;
@@ -189,6 +190,13 @@ Result<void> SurfaceGatherer::read_block(const JsonPlace& place, const TriangleS
 
 Result<void> SurfaceGatherer::decode(const JsonPlace& place, const TriangleSource& source) {
   const DracoUse& use = *source.draco;
+  if (!out_.layout.draco_meshes.contains(use.view)) {
+    // Views may share bytes; each view is decoded for itself.
+    draco_bytes_ += tables_.views[use.view].length;
+    if (draco_bytes_ > tables_.element_limit) {
+      return place.error("the views with Draco data share their bytes too often; store it once.");
+    }
+  }
   const std::size_t before = out_.layout.draco_meshes.size();
   if (auto done =
           decode_draco_use(place, use, source.attributes, tables_, out_.layout.draco_meshes);

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -272,6 +273,14 @@ Result<void> serve(const Settings& settings, Service& service, Listeners listene
   return {};
 }
 
+/// Shells give 1024 at first; clients alone may hold more.
+void allow_all_descriptors() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 }  // namespace
 
 Result<void> run_service(const Settings& settings) {
@@ -279,6 +288,7 @@ Result<void> run_service(const Settings& settings) {
   if (!signals) return signals.error();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of file sizes is a full storage, not an end
+  allow_all_descriptors();
   ::umask(077);  // meshes are their owners' business, and no other user's of this machine
   const Log log(STDERR_FILENO);
   for (const std::string& name : settings.unknown_variables) {

@@ -8,6 +8,8 @@
 #include "proto/formats/document.h"
 #include "proto/formats/fresh_mesh.h"
 #include "proto/formats/gltf_scene.h"
+#include "proto/formats/gltf_text.h"
+#include "tests/formats/draco_samples.h"
 #include "tests/formats/sample_glb.h"
 
 using namespace fairway;
@@ -162,6 +164,84 @@ TEST_CASE("a small file cannot make a large mesh by repeating itself") {
   const auto document = decode(shared.glb(), Format::glb);
   REQUIRE_FALSE(document);
   CHECK(document.error().code == ErrorCode::invalid_mesh);
+}
+
+TEST_CASE("views that share their Draco data are not decoded without end") {
+  SampleGlb sample = draco_glb();
+  const auto use = [](Json& primitive) -> Json& {
+    return primitive["extensions"]["KHR_draco_mesh_compression"]["bufferView"];
+  };
+  Json primitive = sample.json["meshes"][0]["primitives"][0];
+  const Json view = sample.json["bufferViews"][use(primitive).get<std::size_t>()];
+  const auto add_mesh = [&] {
+    use(primitive) = sample.json["bufferViews"].size();
+    sample.json["bufferViews"].push_back(view);
+    sample.add_mesh(Json::array({primitive}));
+  };
+  for (int i = 0; i < 5; ++i) add_mesh();
+  CHECK(decode(sample.glb(), Format::glb));
+  // A view costs less JSON than it has Draco data: that grows, and is the same each time.
+  sample.bin.resize(sample.bin.size() + 100000);
+  sample.json["buffers"][0]["byteLength"] = sample.bin.size();
+  const Json large = {{"buffer", 0},
+                      {"byteOffset", view.value("byteOffset", 0)},
+                      {"byteLength", sample.bin.size() - view.value("byteOffset", 0U)}};
+  for (int i = 0; i < 20; ++i) {
+    use(primitive) = sample.json["bufferViews"].size();
+    sample.json["bufferViews"].push_back(large);
+    sample.add_mesh(Json::array({primitive}));
+  }
+  const auto document = decode(sample.glb(), Format::glb);
+  REQUIRE_FALSE(document);
+  CHECK(document.error().message.find("share their bytes too often") != std::string::npos);
+}
+
+TEST_CASE("a primitive with a thousand attributes is refused before they are looked up") {
+  Json many = Json::object();
+  for (int i = 0; i < 1000; ++i) many["_A" + std::to_string(i)] = 0;
+  for (const char* key : {"attributes", "targets"}) {
+    SampleGlb sample = cube_sample();
+    Json& primitive = sample.json["meshes"][0]["primitives"][0];
+    if (key == std::string("targets")) {
+      primitive["targets"] = Json::array({many});
+    } else {
+      primitive["attributes"].update(many);
+    }
+    const auto document = decode(sample.glb(), Format::glb);
+    REQUIRE_FALSE(document);
+    CHECK(document.error().message.find("attributes are stated") != std::string::npos);
+  }
+  SampleGlb draco = draco_glb();
+  draco.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"]
+      .update(many);
+  CHECK_FALSE(decode(draco.glb(), Format::glb));
+}
+
+TEST_CASE("JSON beyond 4 MiB is refused, payloads of data URIs not counted") {
+  SampleGlb sample = cube_sample();
+  sample.json["extras"] = std::string(kMaxGltfText, 'x');
+  const auto document = decode(sample.glb(), Format::glb);
+  REQUIRE_FALSE(document);
+  CHECK(document.error().code == ErrorCode::too_large);
+  sample.json["extras"] = "data:" + std::string(kMaxGltfText, 'x');
+  CHECK(decode(sample.glb(), Format::glb));
+  // Many short ones are document, not payload.
+  sample.json["extras"] = Json(std::vector<std::string>(100000, "data:" + std::string(50, 'x')));
+  CHECK_FALSE(decode(sample.glb(), Format::glb));
+}
+
+TEST_CASE("payloads are told from document by the text alone") {
+  const std::string payload = "data:" + std::string(1000, 'A');
+  const auto size_of_list = [](const std::string& text) {
+    return size_without_payloads("[\"" + text + "\",1]");
+  };
+  CHECK(size_of_list(payload) == kUriHead + 6);
+  CHECK(size_of_list("x" + payload) == 1006 + 6);
+  CHECK(size_of_list("data:\\\"" + std::string(1000, 'A')) == kUriHead + 6);
+  CHECK(size_of_list("data:" + std::string(1000, 'A') + "\\\\") == kUriHead + 6);
+  CHECK(size_without_payloads("\"" + payload) == kUriHead + 1);
+  CHECK(size_without_payloads("\"" + payload + "\\") == kUriHead + 1);
+  CHECK(size_without_payloads("") == 0);
 }
 
 TEST_CASE("a mesh that collapses in single precision is refused, however many vertices it has") {

@@ -1,5 +1,6 @@
 // The readers of a client's HTTP.
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -8,6 +9,7 @@
 
 #include "server/fairwayd/http/connection.h"
 #include "server/fairwayd/http/http_head.h"
+#include "server/fairwayd/http/multipart_reader.h"
 #include "tests/fuzz/targets.h"
 
 namespace fairway::test {
@@ -70,6 +72,36 @@ Seen serve(std::string_view bytes, std::size_t piece) {
   }
 }
 
+/// A form that arrives in pieces of this size: its parts in order, or "error".
+Seen read_form(std::string_view bytes, std::size_t piece) {
+  Seen seen;
+  std::size_t parts = 0;
+  MultipartReader reader("B", [&bytes, piece](std::span<char> space) -> Result<std::size_t> {
+    const std::size_t count = bytes.copy(space.data(), std::min(piece, space.size()));
+    bytes.remove_prefix(count);
+    return count;
+  });
+  const auto done = reader.read(
+      [&](const PartHead& head) {
+        ++parts;
+        if (head.name.size() + head.file_name.size() + head.content_type.size() >
+            kMaxPartHeadBytes) {
+          seen.defect = "the head of a part is longer than it may be";
+        }
+        seen.log += "part " + head.name + "|" + head.file_name + "|" + head.content_type + "|";
+        return Result<void>();
+      },
+      [&](std::span<const std::byte> content) {
+        if (parts == 0 || content.empty()) seen.defect = "content of no part";
+        seen.log += as_text(content);
+        return Result<void>();
+      });
+  if (!done) seen.log = "error";
+  if (!done && done.error().code != ErrorCode::bad_request) seen.defect = "no bad request";
+  if (done && !bytes.empty()) seen.defect = "a form that ends before its body";
+  return seen;
+}
+
 bool is_refusal(ErrorCode code) {
   return code == ErrorCode::bad_request || code == ErrorCode::uri_too_long ||
          code == ErrorCode::headers_too_large;
@@ -103,6 +135,17 @@ std::string fuzz_connection(ByteSpan bytes) {
   // Where a body is refused, pieces of it may have been handed on before.
   const bool refused = whole.log.find("error ") != std::string::npos;
   return refused || whole.log == pieces.log ? "" : "the size of the reads changes what is read";
+}
+
+std::string fuzz_multipart(ByteSpan bytes) {
+  const Seen whole = read_form(as_text(bytes), 65536);
+  if (!whole.defect.empty()) return whole.defect;
+  for (const std::size_t piece : {1U, 7U}) {
+    const Seen pieces = read_form(as_text(bytes), piece);
+    if (!pieces.defect.empty()) return pieces.defect;
+    if (pieces.log != whole.log) return "the size of the pieces changes what is read";
+  }
+  return {};
 }
 
 }  // namespace fairway::test

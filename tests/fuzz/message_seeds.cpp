@@ -103,4 +103,20 @@ std::vector<Seed> http_seeds() {
   return out;
 }
 
+std::vector<Seed> multipart_seeds() {
+  const std::string named = "--B\r\nContent-Disposition: form-data; name=\"mesh\"";
+  const std::vector<std::string> texts = {
+      named + "\r\n\r\nsolid\r\n--B--\r\n",
+      named +
+          "; filename=\"a \\\"b\\\".glb\"\r\nContent-Type: model/gltf-binary\r\n\r\n\r\n--\r\n--A"
+          "\r\n" +
+          named + "\r\n\r\n\r\n--B--\r\n",
+      "\r\n--B\r\ncontent-disposition:form-data;name=params\r\nX: y\r\n\r\n{}\r\n--B--epilogue"};
+  std::vector<Seed> out;
+  for (const std::string& text : texts) {
+    out.push_back({"seed_" + std::to_string(out.size()), text_bytes(text)});
+  }
+  return out;
+}
+
 }  // namespace fairway::test

@@ -7,7 +7,7 @@ namespace fairway::test {
 
 std::vector<Seed> seeds_of(std::string_view target) {
   using Maker = std::vector<Seed> (*)();
-  static constexpr std::array<std::pair<std::string_view, Maker>, 14> kMakers = {{
+  static constexpr std::array<std::pair<std::string_view, Maker>, 15> kMakers = {{
       {"glb", glb_seeds},
       {"meshopt_glb", meshopt_seeds},
       {"draco_glb", draco_glb_seeds},
@@ -22,6 +22,7 @@ std::vector<Seed> seeds_of(std::string_view target) {
       {"worker_event", worker_event_seeds},
       {"http_head", http_seeds},
       {"connection", http_seeds},
+      {"multipart", multipart_seeds},
   }};
   for (const auto& [name, maker] : kMakers) {
     if (name == target) return maker();

@@ -30,5 +30,6 @@ std::vector<Seed> parameter_seeds();
 std::vector<Seed> worker_order_seeds();
 std::vector<Seed> worker_event_seeds();
 std::vector<Seed> http_seeds();
+std::vector<Seed> multipart_seeds();
 
 }  // namespace fairway::test

@@ -7,7 +7,7 @@ namespace fairway::test {
 
 std::span<const FuzzTarget> fuzz_targets() {
   // The same reader twice where seeds of two kinds would crowd each other out of one corpus.
-  static constexpr std::array<FuzzTarget, 14> kTargets = {{{"glb", fuzz_glb},
+  static constexpr std::array<FuzzTarget, 15> kTargets = {{{"glb", fuzz_glb},
                                                            {"meshopt_glb", fuzz_glb},
                                                            {"draco_glb", fuzz_glb},
                                                            {"gltf", fuzz_gltf},
@@ -20,7 +20,8 @@ std::span<const FuzzTarget> fuzz_targets() {
                                                            {"worker_order", fuzz_worker_order},
                                                            {"worker_event", fuzz_worker_event},
                                                            {"http_head", fuzz_http_head},
-                                                           {"connection", fuzz_connection}}};
+                                                           {"connection", fuzz_connection},
+                                                           {"multipart", fuzz_multipart}}};
   return kTargets;
 }
 

@@ -34,5 +34,6 @@ std::string fuzz_worker_order(ByteSpan bytes);
 std::string fuzz_worker_event(ByteSpan bytes);
 std::string fuzz_http_head(ByteSpan bytes);
 std::string fuzz_connection(ByteSpan bytes);
+std::string fuzz_multipart(ByteSpan bytes);
 
 }  // namespace fairway::test

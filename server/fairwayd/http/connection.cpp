@@ -10,6 +10,8 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include "server/fairwayd/http/http_fields.h"
+
 namespace fairway {
 namespace {
 
@@ -18,7 +20,10 @@ using std::chrono::milliseconds;
 constexpr std::size_t kReceive = 64 * 1024;
 constexpr std::size_t kMaxChunkLine = 256;
 constexpr std::size_t kMaxTrailers = 16;
-constexpr milliseconds kLinger{1000};
+constexpr int kMaxEmptyLines = 8;
+constexpr milliseconds kLastWord{100};
+/// Of chunk sizes and extensions, beyond as much as the content.
+constexpr std::uint64_t kMaxChunkOverhead = std::uint64_t{1} << 20;
 constexpr std::uint64_t kLingerBytes = std::uint64_t{4} << 20;
 
 Error bad(std::string message) {
@@ -29,9 +34,14 @@ Error too_large() {
   return {ErrorCode::too_large, "The body is larger than this server takes: send a smaller one."};
 }
 
-/// `line_end`: of the request line, as found.
-Error endless_head(std::size_t line_end) {
-  if (line_end == std::string::npos) {
+/// False where no method begins like this: a TLS client on this plain port, for one.
+bool may_begin_request(std::string_view bytes) {
+  return bytes.empty() || bytes.front() == '\r' || is_token(bytes.substr(0, 1));
+}
+
+/// `line_size`: of the request line, as found.
+Error endless_head(std::size_t line_size) {
+  if (line_size > kMaxHeadLine) {
     return {ErrorCode::uri_too_long, "The request line does not end: send a shorter one."};
   }
   return {ErrorCode::headers_too_large,
@@ -41,7 +51,10 @@ Error endless_head(std::size_t line_end) {
 }  // namespace
 
 Connection::Connection(UniqueFd socket, const ConnectionLimits& limits, int stop_descriptor)
-    : socket_(std::move(socket)), limits_(limits), stop_descriptor_(stop_descriptor) {}
+    : socket_(std::move(socket)),
+      limits_(limits),
+      stop_descriptor_(stop_descriptor),
+      pace_(limits.least_rate) {}
 
 Connection::Wait Connection::wait_for(short events, Clock::time_point until) const {
   while (true) {
@@ -56,9 +69,27 @@ Connection::Wait Connection::wait_for(short events, Clock::time_point until) con
   }
 }
 
+/// As wait_for(), at the client's expense.
+Connection::Wait Connection::await(ClientPhase phase, Clock::duration patience,
+                                   Clock::time_point until) {
+  auto worn_out = pace_.begin(phase, patience, Clock::now());
+  // Evicted between two waits: only a last word is left to say.
+  if (evicted_) worn_out = std::min(worn_out, Clock::now() + kLastWord);
+  const short events = phase == ClientPhase::answer ? POLLOUT : POLLIN;
+  const Wait waited = wait_for(events, std::min(worn_out, until));
+  pace_.end(Clock::now());
+  return waited;
+}
+
 /// True: something came. False: the client closed.
-Result<bool> Connection::receive(Clock::time_point until) {
-  const Wait waited = wait_for(POLLIN, until);
+Result<bool> Connection::receive(ClientPhase phase, Clock::duration patience,
+                                 Clock::time_point until) {
+  const Wait waited = await(phase, patience, until);
+  if (evicted_) {
+    return Error{
+        ErrorCode::unavailable,
+        "The server has more clients than it can serve, and this one was slow: try later."};
+  }
   if (waited == Wait::timeout) {
     return Error{ErrorCode::request_timeout, "The request came too slowly: send it again."};
   }
@@ -74,12 +105,30 @@ Result<bool> Connection::receive(Clock::time_point until) {
   return got > 0;
 }
 
+Result<bool> Connection::receive_body() {
+  // Who sends without a pause is never waited for.
+  if (Clock::now() >= body_until_) {
+    return Error{ErrorCode::request_timeout, "The body took too long: send it faster."};
+  }
+  const std::uint64_t before = received_;
+  auto got = receive(ClientPhase::body, limits_.stall, body_until_);
+  if (got) pace_.excuse(static_cast<std::size_t>(received_ - before));
+  return got;
+}
+
 Result<std::optional<RequestHead>> Connection::read_head() {
-  auto until = Clock::now() + (at_ < buffer_.size() ? limits_.head : limits_.idle);
   bool started = at_ < buffer_.size();
+  int empty_lines = 0;
+  pace_.restart();
   while (true) {
     // An empty line before a request is allowed to be ignored.
-    while (std::string_view(buffer_).substr(at_).starts_with("\r\n")) at_ += 2;
+    while (std::string_view(buffer_).substr(at_).starts_with("\r\n")) {
+      if (++empty_lines > kMaxEmptyLines) return bad("There is no request between empty lines.");
+      at_ += 2;
+    }
+    if (!may_begin_request(std::string_view(buffer_).substr(at_))) {
+      return bad("This is not HTTP: the first byte cannot begin a request.");
+    }
     const std::size_t end = buffer_.find("\r\n\r\n", at_);
     if (end != std::string::npos && end - at_ <= kMaxHeadBytes) {
       auto head = parse_request_head(std::string_view(buffer_).substr(at_, end + 4 - at_));
@@ -87,23 +136,27 @@ Result<std::optional<RequestHead>> Connection::read_head() {
       at_ = end + 4;
       framing_ = head->framing;
       left_ = framing_.length.value_or(0);
-      taken_ = 0;
+      taken_ = chunk_overhead_ = 0;
       first_chunk_ = true;
       body_over_ = !framing_.has_body();
       owes_continue_ = head->expects_continue;
       body_until_ = Clock::now() + limits_.body;
+      pace_.restart();
       return std::optional(std::move(*head));
     }
-    if (buffer_.size() - at_ > kMaxHeadBytes) return endless_head(buffer_.find("\r\n", at_));
-    auto got = receive(until);
+    if (buffer_.size() - at_ > kMaxHeadBytes) {
+      return endless_head(std::string_view(buffer_).substr(at_).find("\r\n"));
+    }
+    auto got = receive(started ? ClientPhase::head : ClientPhase::idle,
+                       started ? limits_.head : limits_.idle);
     const bool begun = at_ < buffer_.size();
-    if (!got && (!begun || got.error().code == ErrorCode::unavailable)) {
+    if (!got && (!begun || (got.error().code == ErrorCode::unavailable && !evicted_))) {
       return std::optional<RequestHead>();
     }
     if (!got) return got.error();
     if (!*got && begun) return bad("The request head is cut short.");
     if (!*got) return std::optional<RequestHead>();
-    if (!started) until = Clock::now() + limits_.head;
+    if (!started) pace_.restart();
     started = true;
   }
 }
@@ -120,7 +173,7 @@ Result<std::size_t> Connection::read_body(std::span<char> space) {
     if (!*more) return std::size_t{0};
   }
   if (at_ == buffer_.size()) {
-    auto got = receive(std::min(Clock::now() + limits_.stall, body_until_));
+    auto got = receive_body();
     if (!got) return got.error();
     if (!*got) return bad("The body ends before its length.");
   }
@@ -141,10 +194,11 @@ Result<std::optional<std::string>> Connection::take_line(std::size_t limit) {
     if (end != std::string::npos && end - at_ <= limit) {
       std::string line = buffer_.substr(at_, end - at_);
       at_ = end + 2;
+      chunk_overhead_ += line.size() + 2;
       return std::optional(std::move(line));
     }
     if (buffer_.size() - at_ > limit + 1) return std::optional<std::string>();
-    auto got = receive(std::min(Clock::now() + limits_.stall, body_until_));
+    auto got = receive_body();
     if (!got) return got.error();
     if (!*got) return bad("The body ends inside a chunk.");
   }
@@ -169,6 +223,7 @@ Result<bool> Connection::start_chunk() {
   }
   if (left_ == 0) return end_chunks();
   if (left_ > limits_.body_bytes - taken_) return too_large();
+  if (chunk_overhead_ > taken_ + kMaxChunkOverhead) return bad("The chunks are too small.");
   return true;
 }
 
@@ -189,13 +244,14 @@ Result<bool> Connection::end_chunks() {
 bool Connection::send(std::string_view bytes) {
   while (!bytes.empty()) {
     // While the server stops, a client that reads still gets its answer; one that does not is left.
-    if (wait_for(POLLOUT, Clock::now() + limits_.stall) != Wait::ready) return false;
+    if (await(ClientPhase::answer, limits_.stall) != Wait::ready) return false;
     const ssize_t sent =
         ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (sent <= 0) return false;
     bytes.remove_prefix(static_cast<std::size_t>(sent));
     sent_ += static_cast<std::uint64_t>(sent);
+    pace_.excuse(static_cast<std::size_t>(sent));
   }
   return true;
 }
@@ -210,12 +266,19 @@ void Connection::stop_receiving() {
   ::shutdown(socket_.get(), SHUT_RD);  // ends a wait
 }
 
+void Connection::evict() {
+  evicted_ = true;
+  // A wait for a reader ends only once both ways are shut.
+  const bool reads_answer = waiting(Clock::now()).phase == ClientPhase::answer;
+  ::shutdown(socket_.get(), reads_answer ? SHUT_RDWR : SHUT_RD);
+}
+
 void Connection::finish_refused() {
   ::shutdown(socket_.get(), SHUT_WR);
-  const auto until = Clock::now() + kLinger;
+  pace_.restart();
   std::array<char, 16384> waste;
   std::uint64_t wasted = 0;
-  while (wasted < kLingerBytes && wait_for(POLLIN, until) == Wait::ready) {
+  while (wasted < kLingerBytes && await(ClientPhase::idle, limits_.linger) == Wait::ready) {
     const ssize_t got = ::recv(socket_.get(), waste.data(), waste.size(), MSG_DONTWAIT);
     if (got <= 0) return;
     wasted += static_cast<std::uint64_t>(got);

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "core/result.h"
+#include "server/fairwayd/http/client_pace.h"
 #include "server/fairwayd/http/http_head.h"
 #include "server/os/unique_fd.h"
 
@@ -17,11 +18,15 @@ namespace fairway {
 
 /// Time and size that a connection may take.
 struct ConnectionLimits {
-  std::chrono::milliseconds idle{5000};    ///< between two requests
-  std::chrono::milliseconds head{10000};   ///< for a whole request head
-  std::chrono::milliseconds stall{15000};  ///< without a byte of a body, either way
+  std::chrono::milliseconds idle{5000};   ///< between two requests
+  std::chrono::milliseconds head{10000};  ///< for a whole request head
+  /// Of waiting for bytes of a body, or for an answer to be read, that no bytes excuse.
+  std::chrono::milliseconds stall{15000};
+  std::uint64_t least_rate = 1024;         ///< bytes that excuse a second of the stall
   std::chrono::milliseconds body{600000};  ///< for a whole body
-  std::uint64_t body_bytes = 0;            ///< of any body, framing not counted
+  /// For what a client still sends after its refusal, so that it gets to read the answer.
+  std::chrono::milliseconds linger{1000};
+  std::uint64_t body_bytes = 0;  ///< of any body, framing not counted
 };
 
 /// A client's socket as a sequence of requests: heads that are checked, and bodies that end where
@@ -33,13 +38,13 @@ class Connection {
   Connection(UniqueFd socket, const ConnectionLimits& limits, int stop_descriptor);
 
   /// The next request's head. Nothing: the client is gone or idle, or the server stops.
-  /// Errors: bad_request, uri_too_long, headers_too_large, request_timeout.
+  /// Errors: bad_request, uri_too_long, headers_too_large, request_timeout, unavailable (evicted).
   Result<std::optional<RequestHead>> read_head();
 
   /// Bytes of the current body, at most `space.size()`; 0 at its end. The first call tells a client
   /// that expects it to continue, so that a refusal without reading comes before the upload.
   /// Errors: bad_request (cut short, badly framed), too_large, request_timeout, unavailable (the
-  /// server stops).
+  /// server stops, or the client is evicted).
   Result<std::size_t> read_body(std::span<char> space);
 
   /// True once the whole body of the current request has been read, so that a next one may follow.
@@ -53,6 +58,14 @@ class Connection {
 
   /// Nothing more comes from the client, as if it had closed its sending side. From any thread.
   void stop_receiving();
+
+  /// The client loses its connection to somebody else: waits end, what is awaited counts as
+  /// unavailable. From any thread.
+  void evict();
+  /// What the client is waited for, and how long. From any thread.
+  ClientPace::Waiting waiting(std::chrono::steady_clock::time_point now) const {
+    return pace_.waiting(now);
+  }
 
   /// Ends the answer, and reads on for a moment what the client may still be sending, so that the
   /// answer is not lost to a reset.
@@ -69,7 +82,11 @@ class Connection {
   enum class Wait { ready, timeout, stopped };
 
   Wait wait_for(short events, Clock::time_point until) const;
-  Result<bool> receive(Clock::time_point until);
+  Wait await(ClientPhase phase, Clock::duration patience,
+             Clock::time_point until = Clock::time_point::max());
+  Result<bool> receive(ClientPhase phase, Clock::duration patience,
+                       Clock::time_point until = Clock::time_point::max());
+  Result<bool> receive_body();
   Result<std::optional<std::string>> take_line(std::size_t limit);
   Result<bool> start_chunk();
   Result<bool> end_chunks();
@@ -82,11 +99,14 @@ class Connection {
   Framing framing_;
   std::uint64_t left_ = 0;  ///< of the body, or of the current chunk
   std::uint64_t taken_ = 0;
+  std::uint64_t chunk_overhead_ = 0;
   bool first_chunk_ = true;
   bool owes_continue_ = false;  ///< the client waits for "100 Continue" before it sends the body
   bool body_over_ = true;
   Clock::time_point body_until_;
+  ClientPace pace_;
   std::atomic<bool> stopped_receiving_ = false;
+  std::atomic<bool> evicted_ = false;
   std::uint64_t received_ = 0;
   std::uint64_t sent_ = 0;
 };

@@ -1,6 +1,7 @@
-// The one file that knows cpp-httplib. The library parses request lines, queries and multipart
-// bodies and writes responses; where a request begins and ends, and what of it the library gets to
-// see, is decided before it, in Connection.
+// The one file that knows cpp-httplib. The library parses request lines and queries and writes
+// responses; where a request begins and ends is decided before it, in Connection, and of a body it
+// sees nothing: its own readers of bodies and forms, its limits and its routes by regular
+// expression are never reached.
 #include "server/fairwayd/http/http_engine.h"
 
 #include <algorithm>
@@ -13,16 +14,16 @@
 #include <httplib.h>
 #include <unistd.h>
 
+#include "server/fairwayd/http/multipart_reader.h"
 #include "server/fairwayd/http/trace.h"
 
 namespace fairway {
 namespace {
 
-constexpr std::size_t kMaxRequestsPerConnection = 1000;
 constexpr std::size_t kFileChunk = 64 * 1024;
 constexpr std::size_t kBodyChunk = 64 * 1024;
 
-/// One request of a connection as the library's stream: the checked head, then the body.
+/// One request of a connection as the library's stream: the checked head, and nothing after it.
 class RequestStream final : public httplib::Stream {
  public:
   explicit RequestStream(Connection& connection) : connection_(connection) {}
@@ -30,24 +31,16 @@ class RequestStream final : public httplib::Stream {
   void begin(std::string head) {
     head_ = std::move(head);
     at_ = 0;
-    error_.reset();
   }
-  const std::optional<Error>& error() const { return error_; }
 
   bool is_readable() const override { return true; }
   bool is_writable() const override { return true; }
 
   ssize_t read(char* space, size_t size) override {
-    if (at_ < head_.size()) {
-      const std::size_t count = std::min(size, head_.size() - at_);
-      head_.copy(space, count, at_);
-      at_ += count;
-      return static_cast<ssize_t>(count);
-    }
-    auto got = connection_.read_body({space, size});
-    if (got) return static_cast<ssize_t>(*got);
-    error_ = got.error();
-    return -1;
+    const std::size_t count = std::min(size, head_.size() - at_);
+    head_.copy(space, count, at_);
+    at_ += count;
+    return static_cast<ssize_t>(count);
   }
 
   ssize_t write(const char* bytes, size_t size) override {
@@ -62,8 +55,14 @@ class RequestStream final : public httplib::Stream {
   Connection& connection_;
   std::string head_;
   std::size_t at_ = 0;
-  std::optional<Error> error_;
 };
+
+std::string_view content_type_of(const RequestHead& head) {
+  for (const auto& [name, value] : head.headers) {
+    if (name == "content-type") return value;
+  }
+  return {};
+}
 
 class NoBody final : public BodySource {
  public:
@@ -72,13 +71,12 @@ class NoBody final : public BodySource {
   void interrupt() override {}
 };
 
-class LibraryBody final : public BodySource {
+/// The body of the request at hand, past the library.
+class ConnectionBody final : public BodySource {
  public:
-  LibraryBody(const httplib::ContentReader& reader, bool multipart, const RequestStream& stream,
-              Connection& connection)
-      : reader_(reader), multipart_(multipart), stream_(stream), connection_(connection) {}
+  ConnectionBody(Connection& connection, const RequestHead& head)
+      : connection_(connection), head_(head) {}
 
-  /// Past the library, which would pass a body on in pieces of 4 KiB.
   Result<void> read(const OnBytes& on_bytes) override {
     std::vector<char> space(kBodyChunk);
     while (true) {
@@ -91,42 +89,20 @@ class LibraryBody final : public BodySource {
   }
 
   Result<void> read_parts(const OnPart& on_part, const OnBytes& on_bytes) override {
-    if (!multipart_) return Error{ErrorCode::bad_request, "The body is not multipart/form-data."};
-    const auto on_head = [&](const httplib::MultipartFormData& part) {
-      return keep(on_part({part.name, part.filename, part.content_type}));
-    };
-    return verdict(reader_(on_head, receiver(on_bytes)));
+    const auto boundary = form_boundary(content_type_of(head_));
+    if (!boundary) {
+      return Error{ErrorCode::bad_request, "The body is not multipart/form-data with a boundary."};
+    }
+    MultipartReader reader(*boundary,
+                           [this](std::span<char> space) { return connection_.read_body(space); });
+    return reader.read(on_part, on_bytes);
   }
 
   void interrupt() override { connection_.stop_receiving(); }
 
  private:
-  httplib::ContentReceiver receiver(const OnBytes& on_bytes) {
-    return [this, &on_bytes](const char* bytes, size_t size) {
-      return keep(on_bytes(std::as_bytes(std::span(bytes, size))));
-    };
-  }
-
-  bool keep(Result<void> said) {
-    if (!said) refused_ = said.error();
-    return static_cast<bool>(said);
-  }
-
-  Result<void> verdict(bool read_all) const {
-    if (refused_) return *refused_;
-    if (stream_.error()) return *stream_.error();
-    if (!read_all) {
-      return Error{ErrorCode::bad_request,
-                   "The body is not well-formed multipart/form-data: check boundary and parts."};
-    }
-    return {};
-  }
-
-  const httplib::ContentReader& reader_;
-  bool multipart_;
-  const RequestStream& stream_;
   Connection& connection_;
-  std::optional<Error> refused_;
+  const RequestHead& head_;
 };
 
 void put_file(httplib::Response& to, FileBody file, const std::string& content_type) {
@@ -173,11 +149,15 @@ void correct_headers(httplib::Response& to, bool takes_ranges) {
 class Talk final : private httplib::Server {
  public:
   Talk(Connection& connection, HttpApplication& application, const Log& log,
-       const ConnectionLimits& limits)
-      : connection_(connection), application_(application), log_(log), stream_(connection) {
+       const ConnectionLimits& limits, std::size_t most_requests)
+      : connection_(connection),
+        application_(application),
+        log_(log),
+        requests_left_(most_requests),
+        stream_(connection) {
     // The library sends bodies only while it believes that it listens.
     svr_sock_ = connection.descriptor();
-    set_keep_alive_max_count(kMaxRequestsPerConnection);
+    set_keep_alive_max_count(most_requests);
     set_keep_alive_timeout(std::chrono::ceil<std::chrono::seconds>(limits.idle).count());
     set_handlers();
   }
@@ -196,6 +176,7 @@ class Talk final : private httplib::Server {
   Connection& connection_;
   HttpApplication& application_;
   const Log& log_;
+  std::size_t requests_left_;
   RequestStream stream_;
   const RequestHead* head_ = nullptr;  ///< of the request being answered
   bool close_ = false;                 ///< after this answer
@@ -207,23 +188,18 @@ class Talk final : private httplib::Server {
 };
 
 void Talk::set_handlers() {
+  // All is answered here, before the library looks for a route or reads a body.
   set_pre_routing_handler([this](const httplib::Request& from, httplib::Response& to) {
     const HttpRequest request = request_of(from);
-    if (application_.wants_body(request)) return HandlerResponse::Unhandled;
-    NoBody body;
-    put(application_.answer(request, body), from, to);
+    if (application_.wants_body(request)) {
+      ConnectionBody body(connection_, *head_);
+      put(application_.answer(request, body), from, to);
+    } else {
+      NoBody body;
+      put(application_.answer(request, body), from, to);
+    }
     return HandlerResponse::Handled;
   });
-  const HandlerWithContentReader with_body = [this](const httplib::Request& from,
-                                                    httplib::Response& to,
-                                                    const httplib::ContentReader& reader) {
-    LibraryBody body(reader, from.is_multipart_form_data(), stream_, connection_);
-    put(application_.answer(request_of(from), body), from, to);
-  };
-  constexpr const char* kAnyPath = "/.*";
-  Post(kAnyPath, with_body);
-  Put(kAnyPath, with_body);
-  Patch(kAnyPath, with_body);
   // What the library refuses by itself: a request line or headers it cannot read.
   set_error_handler(HandlerWithResponse([this](const httplib::Request& from,
                                                httplib::Response& to) {
@@ -257,7 +233,7 @@ HttpRequest Talk::request_of(const httplib::Request& from) const {
   request.path = from.path;
   for (const auto& [name, value] : from.params) request.query.emplace_back(name, value);
   request.headers = head_->headers;
-  request.content_type = request.header("content-type").value_or("");
+  request.content_type = content_type_of(*head_);
   request.has_content_encoding = head_->has_content_encoding;
   request.has_length = head_->framing.chunked || head_->framing.length.has_value();
   request.content_length = head_->framing.length;
@@ -318,7 +294,7 @@ void Talk::tell_answered() {
 
 bool Talk::process(const RequestHead& head) {
   head_ = &head;
-  close_ = !head.keep_alive;
+  close_ = !head.keep_alive || requests_left_ == 0;
   stream_.begin(head.text);
   bool closed = false;
   const bool answered = process_request(stream_, close_, closed, nullptr);
@@ -327,8 +303,9 @@ bool Talk::process(const RequestHead& head) {
 }
 
 void Talk::run() {
-  for (std::size_t i = 0; i < kMaxRequestsPerConnection; ++i) {
+  while (requests_left_ > 0) {
     auto head = connection_.read_head();
+    --requests_left_;
     if (!head) return refuse(head.error());
     if (!*head || !serve_one(**head)) return;
   }
@@ -347,9 +324,9 @@ namespace fairway {
 #endif
 
 void serve_connection(Connection& connection, HttpApplication& application, const Log& log,
-                      const ConnectionLimits& limits) {
+                      const ConnectionLimits& limits, std::size_t most_requests) {
   application.connections_changed(+1);
-  Talk(connection, application, log, limits).run();
+  Talk(connection, application, log, limits, most_requests).run();
   application.connections_changed(-1);
 }
 

@@ -1,5 +1,6 @@
 #include "server/fairwayd/http/http_server.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -17,7 +18,12 @@
 namespace fairway {
 namespace {
 
-constexpr std::size_t kMaxThreads = 512;
+/// Vital requests that are being answered or wait for it.
+constexpr std::size_t kMaxVital = 1024;
+/// A vital request's head has come already, and nothing should follow it.
+constexpr std::chrono::milliseconds kVitalPatience{250};
+constexpr std::chrono::milliseconds kVitalLinger{20};
+constexpr std::chrono::minutes kTellFull{1};
 
 UniqueFd spare_descriptor() {
   return UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC));
@@ -36,8 +42,10 @@ void turn_away(const UniqueFd& socket) {
 }  // namespace
 
 HttpServer::HttpServer(Listener listener, HttpApplication& application, const Log& log,
-                       const ConnectionLimits& limits, const EventFlag& stopping)
+                       const ConnectionLimits& limits, const EventFlag& stopping,
+                       const ServerCapacity& capacity)
     : limits_(limits),
+      capacity_(capacity),
       listener_(std::move(listener)),
       application_(application),
       log_(log),
@@ -45,17 +53,30 @@ HttpServer::HttpServer(Listener listener, HttpApplication& application, const Lo
 
 HttpServer::~HttpServer() {
   if (acceptor_.joinable()) acceptor_.join();
+  waiting_room_.reset();
   std::vector<std::jthread> threads;
   {
     const std::lock_guard lock(mutex_);
-    waiting_.clear();
-    threads.swap(threads_);
+    for (Lane* lane : {&lane_, &vital_}) {
+      lane->waiting.clear();
+      for (std::jthread& thread : lane->threads) threads.push_back(std::move(thread));
+      lane->threads.clear();
+    }
   }
   for (std::jthread& thread : threads) thread.request_stop();
 }
 
 void HttpServer::start() {
   reserve_ = spare_descriptor();
+  auto room = WaitingRoom::create(
+      {}, [this](Visitor& visitor, std::string_view method, std::string_view path) {
+        return admit(visitor, method, path);
+      });
+  if (room) {
+    waiting_room_ = *std::move(room);
+  } else {
+    log_.write(LogLevel::error, "no_waiting_room", {{"reason", room.error().message}});
+  }
   acceptor_ = std::jthread([this] { accept_all(); });
 }
 
@@ -65,10 +86,13 @@ void HttpServer::accept_all() {
         {{listener_.socket.get(), POLLIN, 0}, {stopping_.descriptor(), POLLIN, 0}}};
     ::poll(entries.data(), entries.size(), -1);
     if (entries[1].revents != 0) break;
-    UniqueFd socket(::accept4(listener_.socket.get(), nullptr, nullptr, SOCK_CLOEXEC));
+    sockaddr_storage peer{};
+    socklen_t size = sizeof peer;
+    UniqueFd socket(
+        ::accept4(listener_.socket.get(), reinterpret_cast<sockaddr*>(&peer), &size, SOCK_CLOEXEC));
     if (socket) {
       tell_accepting(true, 0);
-      take(std::move(socket));
+      take({std::move(socket), origin_of(peer)});
     } else if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
       tell_accepting(false, errno);
       turn_one_away();
@@ -101,47 +125,84 @@ void HttpServer::turn_one_away() {
   if (!accepted) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
-void HttpServer::take(UniqueFd socket) {
+void HttpServer::take(Visitor arrival) {
   const int one = 1;
-  ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
-  bool taken = false;
+  ::setsockopt(arrival.socket.get(), IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
   {
     const std::lock_guard lock(mutex_);
-    const bool needs_thread = idle_ <= waiting_.size();
-    taken = !needs_thread || threads_.size() < kMaxThreads;
-    if (taken) {
-      waiting_.push_back(std::move(socket));
-      if (needs_thread) start_thread();
-    }
+    if (lane_.open < capacity_.connections) return enter(lane_, std::move(arrival));
   }
-  if (taken) {
-    arrived_.notify_one();
-    return;
-  }
-  turn_away(socket);  // NOLINT: not moved
+  tell_full();
+  if (waiting_room_) return waiting_room_->enter(std::move(arrival));
+  turn_away(arrival.socket);
+}
+
+/// Once in a while.
+void HttpServer::tell_full() {
+  const auto now = std::chrono::steady_clock::now();
+  if (told_full_ && now - *told_full_ < kTellFull) return;
+  told_full_ = now;
+  log_.write(LogLevel::warning, "connections_full", {{"most", capacity_.connections}});
+}
+
+/// A connection that has asked, in the waiting room.
+bool HttpServer::admit(Visitor& visitor, std::string_view method, std::string_view path) {
+  const std::lock_guard lock(mutex_);
+  const bool is_vital = application_.is_vital(method, path);
+  const bool has_place =
+      is_vital ? vital_.open < kMaxVital
+               : lane_.open < capacity_.connections || roster_.make_room(visitor.origin);
+  if (has_place) enter(is_vital ? vital_ : lane_, std::move(visitor));
+  return has_place;
+}
+
+/// With mutex_ held.
+void HttpServer::enter(Lane& lane, Visitor arrival) {
+  const std::size_t most = &lane == &vital_ ? capacity_.vital : capacity_.connections;
+  const bool needs_thread = lane.idle <= lane.waiting.size() && lane.threads.size() < most;
+  lane.waiting.push_back(std::move(arrival));
+  ++lane.open;
+  if (needs_thread) start_thread(lane);
+  lane.arrived.notify_one();
 }
 
 /// With mutex_ held. Where no thread can be had, those that run take the connection later.
-void HttpServer::start_thread() {
+void HttpServer::start_thread(Lane& lane) {
   try {
-    threads_.emplace_back([this](std::stop_token stop) { serve_queue(stop); });
+    lane.threads.emplace_back(
+        [this, &lane](const std::stop_token& stop) { serve_queue(lane, stop); });
   } catch (const std::system_error&) {
-    log_.write(LogLevel::error, "no_thread_left", {{"threads", threads_.size()}});
+    log_.write(LogLevel::error, "no_thread_left", {{"threads", lane.threads.size()}});
   }
 }
 
-void HttpServer::serve_queue(std::stop_token stop) {
+void HttpServer::serve_queue(Lane& lane, const std::stop_token& stop) {
+  const bool is_vital = &lane == &vital_;
+  ConnectionLimits limits = limits_;
+  if (is_vital) {
+    limits.idle = limits.head = limits.stall = std::min(limits.head, kVitalPatience);
+    limits.linger = kVitalLinger;
+  }
   while (true) {
     std::unique_lock lock(mutex_);
-    ++idle_;
-    const bool work = arrived_.wait(lock, stop, [this] { return !waiting_.empty(); });
-    --idle_;
+    ++lane.idle;
+    const bool work = lane.arrived.wait(lock, stop, [&lane] { return !lane.waiting.empty(); });
+    --lane.idle;
     if (!work) return;
-    UniqueFd socket = std::move(waiting_.front());
-    waiting_.pop_front();
+    Visitor arrival = std::move(lane.waiting.front());
+    lane.waiting.pop_front();
     lock.unlock();
-    Connection connection(std::move(socket), limits_, stopping_.descriptor());
-    serve_connection(connection, application_, log_, limits_);
+    {
+      Connection connection(std::move(arrival.socket), limits, stopping_.descriptor());
+      if (is_vital) {
+        serve_connection(connection, application_, log_, limits, 1);
+      } else {
+        const ConnectionRoster::Entry entry(roster_, connection, std::move(arrival.origin));
+        serve_connection(connection, application_, log_, limits);
+      }
+    }
+    lock.lock();
+    --lane.open;
   }
 }
 

@@ -43,6 +43,12 @@ HttpResponse Operations::answer(const HttpRequest& sent, BodySource& body) {
   return response;
 }
 
+bool Operations::is_vital(std::string_view method, std::string_view path) const {
+  const auto route = route_of(path);
+  return (method == "GET" || method == "HEAD") && route &&
+         (route->place == Place::livez || route->place == Place::readyz);
+}
+
 HttpResponse Operations::choose(const HttpRequest& request, BodySource& body) {
   const auto route = route_of(request.path);
   if (route && !is_open(route->place, entrance_)) {

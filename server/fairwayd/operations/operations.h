@@ -35,6 +35,7 @@ class Operations final : public HttpApplication {
 
   bool wants_body(const HttpRequest& request) const override;
   HttpResponse answer(const HttpRequest& request, BodySource& body) override;
+  bool is_vital(std::string_view method, std::string_view path) const override;
   void answered(const HttpExchange& exchange) override;
   void connections_changed(int by) override;
 

@@ -81,7 +81,7 @@ void see_rate(ContractWalk& walk);
 void see_shares(ContractWalk& walk);
 
 /// What any request can meet: a head that cannot be understood or is beyond its limits, and a
-/// service without a free connection. `path` is that of the operation with its {id} filled.
+/// service whose connections are all taken. `path` is that of the operation with its {id} filled.
 void see_common(ContractWalk& walk, const Stage& stage, const std::string& path);
 
 /// What all operations on one job share. The stage is of no use afterwards.

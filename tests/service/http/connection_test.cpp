@@ -1,7 +1,9 @@
 #include "server/fairwayd/http/connection.h"
 
 #include <array>
+#include <optional>
 #include <string>
+#include <thread>
 
 #include <catch2/catch.hpp>
 #include <sys/socket.h>
@@ -37,6 +39,9 @@ class Fixture {
   void send(std::string_view text) {
     REQUIRE(::send(client_.get(), text.data(), text.size(), 0) ==
             static_cast<ssize_t>(text.size()));
+  }
+  void send_what_is_taken(std::string_view text) {
+    ::send(client_.get(), text.data(), text.size(), MSG_NOSIGNAL);
   }
   void close_sending() { ::shutdown(client_.get(), SHUT_WR); }
   std::string answer() {
@@ -165,6 +170,95 @@ TEST_CASE("slow clients meet a deadline") {
   CHECK(body.error().code == ErrorCode::request_timeout);
 }
 
+TEST_CASE("a client that drips runs out of patience, one above the least rate does not") {
+  ConnectionLimits limits = Fixture::quick();
+  limits.stall = 300ms;
+  limits.least_rate = 100;
+  const auto refusal_of = [&](std::size_t drop) {
+    Fixture f(limits);
+    f.begin("Content-Length: 1000\r\n");
+    std::array<char, 100> space{};
+    // Waits come to 1 s at the most: ten drops that come at once, each after a wait of 100 ms.
+    for (int i = 0; i < 10; ++i) {
+      std::jthread sender([&] {
+        std::this_thread::sleep_for(100ms);
+        f.send(std::string(drop, 'x'));
+      });
+      const auto got = f.connection().read_body(space);
+      if (!got) return std::optional(got.error().code);
+    }
+    return std::optional<ErrorCode>();
+  };
+  CHECK(refusal_of(1) == ErrorCode::request_timeout);
+  CHECK_FALSE(refusal_of(100));
+}
+
+TEST_CASE("a client that reads by drops is left") {
+  ConnectionLimits limits = Fixture::quick();
+  limits.stall = 200ms;
+  limits.least_rate = 1 << 20;
+  Fixture f(limits);
+  std::jthread reader([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      f.answer();  // 200 bytes
+      std::this_thread::sleep_for(20ms);
+    }
+  });
+  CHECK_FALSE(f.connection().send(std::string(64 << 20, 'x')));
+}
+
+TEST_CASE("chunks that are all frame, endless empty lines and what is no HTTP are refused") {
+  ConnectionLimits limits = Fixture::quick();
+  limits.body_bytes = 1 << 30;
+  limits.stall = 60s;
+  Fixture crumbs(limits);
+  crumbs.begin(kChunked);
+  std::jthread sender([&] {
+    std::string many;
+    for (int i = 0; i < 1000; ++i) many += "1;" + std::string(200, 'e') + "\r\nx\r\n";
+    for (int i = 0; i < 10; ++i) crumbs.send_what_is_taken(many);
+  });
+  const auto body = crumbs.body();
+  crumbs.connection().stop_receiving();  // ends the sender
+  sender.join();
+  REQUIRE_FALSE(body);
+  CHECK(body.error().code == ErrorCode::bad_request);
+  for (const std::string& sent : {std::string("\r\n\r\n\r\n\r\n\r\n\r\n\r\n\r\n\r\n"),
+                                  std::string("\x16\x03\x01"), std::string(1, '\0')}) {
+    Fixture f;
+    f.send(sent);
+    const auto head = f.connection().read_head();
+    REQUIRE_FALSE(head);
+    CHECK(head.error().code == ErrorCode::bad_request);
+  }
+}
+
+TEST_CASE("an evicted client's waits end, in a body and in an answer") {
+  ConnectionLimits patient;
+  patient.body_bytes = 1000;
+  Fixture body(patient);
+  body.begin("Content-Length: 3\r\n");
+  std::jthread first([&] {
+    while (body.connection().waiting(std::chrono::steady_clock::now()).phase != ClientPhase::body) {
+      std::this_thread::sleep_for(1ms);
+    }
+    body.connection().evict();
+  });
+  const auto got = body.body();
+  REQUIRE_FALSE(got);
+  CHECK(got.error().code == ErrorCode::unavailable);
+  Fixture answer(patient);
+  std::jthread second([&] {
+    auto now = [] { return std::chrono::steady_clock::now(); };
+    while (answer.connection().waiting(now()).phase != ClientPhase::answer ||
+           answer.connection().waiting(now()).lag < 100ms) {
+      std::this_thread::sleep_for(1ms);
+    }
+    answer.connection().evict();
+  });
+  CHECK_FALSE(answer.connection().send(std::string(64 << 20, 'x')));
+}
+
 TEST_CASE("an endless request line and endless headers are told apart") {
   const auto refusal_of = [](const std::string& sent) {
     Fixture f;
@@ -174,6 +268,9 @@ TEST_CASE("an endless request line and endless headers are told apart") {
     return head.error().code;
   };
   CHECK(refusal_of(std::string(kMaxHeadBytes + 1000, 'x')) == ErrorCode::uri_too_long);
+  // Its end may have come with the bytes that are too many.
+  CHECK(refusal_of(std::string(kMaxHeadBytes + 1000, 'x') + "\r\nA: b\r\n\r\n") ==
+        ErrorCode::uri_too_long);
   std::string headers = "GET / HTTP/1.1\r\n";
   while (headers.size() < kMaxHeadBytes + 1000) headers += "A: " + std::string(1000, 'x') + "\r\n";
   CHECK(refusal_of(headers) == ErrorCode::headers_too_large);

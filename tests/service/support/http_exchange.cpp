@@ -8,6 +8,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include "server/os/unique_fd.h"
 #include "tests/service/support/event_text.h"
 
 namespace fairway::test {
@@ -85,10 +86,6 @@ Answer exchange(std::uint16_t port, const WireRequest& request) {
   const UniqueFd socket = connected(port);
   send_all(socket.get(), bytes_of(request));
   return parsed_answer(receive_all(socket.get()));
-}
-
-SilentConnections::SilentConnections(std::uint16_t port, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) sockets_.push_back(connected(port));
 }
 
 }  // namespace fairway::test

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "server/os/unique_fd.h"
 #include "tests/service/support/http_client.h"
 
 namespace fairway::test {
@@ -26,14 +25,5 @@ Answer exchange(std::uint16_t port, const WireRequest& request);
 
 /// The answer that a whole message is, its chunks put together. Status 0: it is none.
 Answer parsed_answer(std::string_view message);
-
-/// As many connections as a service takes, all silent.
-class SilentConnections {
- public:
-  SilentConnections(std::uint16_t port, std::size_t count);
-
- private:
-  std::vector<UniqueFd> sockets_;
-};
 
 }  // namespace fairway::test

@@ -141,7 +141,9 @@ TEST_CASE("a replaced program takes the place of the workers that wait") {
   f.become("exec sleep 60");
   const pid_t next = f.started(2)[1];
   wait_until([&] { return !is_alive(old); });
-  const auto taken = f.pool().take();
+  // A worker may tell of its start before it is one that waits: then another one is started.
+  auto taken = f.pool().take();
+  while (taken && !taken->was_kept) taken = f.pool().take();
   REQUIRE(taken);
   CHECK(taken->process.pid() == next);
 }
