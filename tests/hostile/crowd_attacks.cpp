@@ -2,12 +2,14 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include "tests/hostile/attacks.h"
 
@@ -22,6 +24,8 @@ constexpr double kFreshLivez = 100.0;
 constexpr double kPercentile = 0.99;
 /// More than the server has places.
 constexpr std::size_t kCrowd = 600;
+/// MiB; half of what a service may take by itself.
+constexpr long kMostInSockets = 256;
 
 /// Clients that send a little now and then.
 class Drip {
@@ -123,6 +127,18 @@ void one_address(Field& field) {
   expect_fresh_livez(field, fmt::format("{} fast connections of another address", kCrowd));
 }
 
+/// MiB that the system keeps for all TCP of this machine.
+long socket_memory() {
+  std::ifstream all("/proc/net/sockstat");
+  for (std::string line; std::getline(all, line);) {
+    const std::size_t at = line.find(" mem ");
+    if (line.starts_with("TCP:") && at != std::string::npos) {
+      return std::atol(line.c_str() + at + 5) * ::sysconf(_SC_PAGESIZE) / (1024 * 1024);
+    }
+  }
+  throw Broken("the system does not tell the memory of its sockets");
+}
+
 /// Clients that ask for a large result and do not read it.
 void deaf_clients(Field& field) {
   const std::string result = field.large_result();
@@ -134,6 +150,9 @@ void deaf_clients(Field& field) {
     deaf.back().send_some(head_of("GET", result));
   }
   std::this_thread::sleep_for(milliseconds(2000));
+  const long buffered = socket_memory();
+  field.tell(fmt::format("{} MiB in sockets", buffered));
+  expect(buffered < kMostInSockets, fmt::format("{} MiB in sockets", buffered));
   for (int i = 0; i < 5; ++i) field.expect_serving();
   expect_fresh_livez(field, fmt::format("{} deaf clients", kCrowd));
 }

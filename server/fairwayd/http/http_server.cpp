@@ -18,6 +18,9 @@
 namespace fairway {
 namespace {
 
+/// Bytes of an answer that the system keeps for a client who does not read. Without a limit it is
+/// 4 MiB each, and a crowd of them stalls all of its TCP.
+constexpr int kUnsent = 256 * 1024;
 /// Vital requests that are being answered or wait for it.
 constexpr std::size_t kMaxVital = 1024;
 /// A vital request's head has come already, and nothing should follow it.
@@ -128,6 +131,7 @@ void HttpServer::turn_one_away() {
 void HttpServer::take(Visitor arrival) {
   const int one = 1;
   ::setsockopt(arrival.socket.get(), IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+  ::setsockopt(arrival.socket.get(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsent, sizeof kUnsent);
   {
     const std::lock_guard lock(mutex_);
     if (lane_.open < capacity_.connections) return enter(lane_, std::move(arrival));

@@ -142,9 +142,12 @@ TEST_CASE("a replaced program takes the place of the workers that wait") {
   const pid_t next = f.started(2)[1];
   wait_until([&] { return !is_alive(old); });
   // A worker may tell of its start before it is one that waits: then another one is started.
-  auto taken = f.pool().take();
-  while (taken && !taken->was_kept) taken = f.pool().take();
-  REQUIRE(taken);
+  std::optional<WaitingWorker> taken;
+  while (!taken || !taken->was_kept) {
+    auto one = f.pool().take();
+    REQUIRE(one);
+    taken.emplace(*std::move(one));
+  }
   CHECK(taken->process.pid() == next);
 }
 
