@@ -21,6 +21,7 @@ enum class ErrorCode : std::uint8_t {
   diverged,              ///< the flow left the range of finite, bounded positions
   memory_limit,          ///< the worker reached its address-space limit
   time_limit,            ///< the worker reached its deadline
+  decoder_failed,        ///< the worker died twice while it decoded the input
   worker_crashed,        ///< the worker died twice on this job while its server lived
   canceled,              ///< stopped on request
   bad_request,           ///< HTTP request that cannot be understood

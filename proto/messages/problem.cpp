@@ -23,6 +23,7 @@ constexpr std::array kKinds = {
     ProblemKind{diverged, "diverged", 422, 18, "The flow diverged"},
     ProblemKind{memory_limit, "memory_limit", 422, 19, "Memory limit reached"},
     ProblemKind{time_limit, "time_limit", 422, 20, "Time limit reached"},
+    ProblemKind{decoder_failed, "decoder_failed", 422, 23, "The input broke its decoder"},
     ProblemKind{worker_crashed, "worker_crashed", 422, 21, "The input broke the worker"},
     ProblemKind{canceled, "canceled", 409, 22, "Canceled"},
     ProblemKind{bad_request, "bad_request", 400, 30, "Bad request"},

@@ -87,8 +87,9 @@ void follow(const Target& target, const std::string& path, steady_clock::time_po
       const Json problem = job->value("problem", Json::object());
       verdict.outcome = fmt::format("{}", problem.value("status", 0));
       // A dead worker is a defect of ours, whatever status it is told with.
-      verdict.has_server_error = problem.value("status", 500) >= 500 ||
-                                 problem.value("code", std::string()) == "worker_crashed";
+      const std::string code = problem.value("code", std::string());
+      verdict.has_server_error = problem.value("status", 500) >= 500 || code == "worker_crashed" ||
+                                 code == "decoder_failed";
       verdict.detail = problem.value("detail", std::string());
       return;
     }

@@ -22,6 +22,8 @@ constexpr std::size_t kMaxChunkLine = 256;
 constexpr std::size_t kMaxTrailers = 16;
 constexpr int kMaxEmptyLines = 8;
 constexpr milliseconds kLastWord{100};
+/// For a client to read what is being answered when the server stops.
+constexpr milliseconds kReadOut{5000};
 /// Of chunk sizes and extensions, beyond as much as the content.
 constexpr std::uint64_t kMaxChunkOverhead = std::uint64_t{1} << 20;
 constexpr std::uint64_t kLingerBytes = std::uint64_t{4} << 20;
@@ -56,10 +58,12 @@ Connection::Connection(UniqueFd socket, const ConnectionLimits& limits, int stop
       stop_descriptor_(stop_descriptor),
       pace_(limits.least_rate) {}
 
-Connection::Wait Connection::wait_for(short events, Clock::time_point until) const {
+/// `stop_descriptor`: what ends the wait; -1: nothing.
+Connection::Wait Connection::wait_for(short events, Clock::time_point until,
+                                      int stop_descriptor) const {
   while (true) {
     const auto left = std::chrono::ceil<milliseconds>(until - Clock::now());
-    std::array<pollfd, 2> entries{{{socket_.get(), events, 0}, {stop_descriptor_, POLLIN, 0}}};
+    std::array<pollfd, 2> entries{{{socket_.get(), events, 0}, {stop_descriptor, POLLIN, 0}}};
     const auto timeout = static_cast<int>(std::max(left, milliseconds(0)).count());
     const int ready = ::poll(entries.data(), entries.size(), timeout);
     if (ready < 0 && errno == EINTR) continue;
@@ -76,7 +80,11 @@ Connection::Wait Connection::await(ClientPhase phase, Clock::duration patience,
   // Evicted between two waits: only a last word is left to say.
   if (evicted_) worn_out = std::min(worn_out, Clock::now() + kLastWord);
   const short events = phase == ClientPhase::answer ? POLLOUT : POLLIN;
-  const Wait waited = wait_for(events, std::min(worn_out, until));
+  Wait waited = wait_for(events, std::min(worn_out, until), stop_descriptor_);
+  if (waited == Wait::stopped && phase == ClientPhase::answer) {
+    if (!read_out_) read_out_ = Clock::now() + kReadOut;
+    waited = wait_for(events, std::min(worn_out, *read_out_), -1);
+  }
   pace_.end(Clock::now());
   return waited;
 }
@@ -243,7 +251,8 @@ Result<bool> Connection::end_chunks() {
 
 bool Connection::send(std::string_view bytes) {
   while (!bytes.empty()) {
-    // While the server stops, a client that reads still gets its answer; one that does not is left.
+    // While the server stops, a client that reads still gets its answer; one that reads for long,
+    // or does not, is left.
     if (await(ClientPhase::answer, limits_.stall) != Wait::ready) return false;
     const ssize_t sent =
         ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);

@@ -81,7 +81,7 @@ class Connection {
   using Clock = std::chrono::steady_clock;
   enum class Wait { ready, timeout, stopped };
 
-  Wait wait_for(short events, Clock::time_point until) const;
+  Wait wait_for(short events, Clock::time_point until, int stop_descriptor) const;
   Wait await(ClientPhase phase, Clock::duration patience,
              Clock::time_point until = Clock::time_point::max());
   Result<bool> receive(ClientPhase phase, Clock::duration patience,
@@ -104,6 +104,7 @@ class Connection {
   bool owes_continue_ = false;  ///< the client waits for "100 Continue" before it sends the body
   bool body_over_ = true;
   Clock::time_point body_until_;
+  std::optional<Clock::time_point> read_out_;  ///< the end of an answer in a server that stops
   ClientPace pace_;
   std::atomic<bool> stopped_receiving_ = false;
   std::atomic<bool> evicted_ = false;

@@ -58,6 +58,8 @@ Result<WaitingWorker> engage(WorkerPool& pool, const WorkerTask& task) {
   }
 }
 
+constexpr std::string_view kDecodeStage = "decode";
+
 Error time_limit(std::string_view what) {
   return {ErrorCode::time_limit,
           fmt::format("The job reached its {}: send a smaller mesh or ask for fewer steps.", what)};
@@ -92,6 +94,7 @@ class Conversation {
   Clock::time_point deadline_;
   bool socket_open_ = true;
   bool broke_protocol_ = false;
+  bool decoded_ = false;             ///< a later stage was told of
   std::optional<WorkerEvent> last_;  ///< Finished or Failed, once heard
 };
 
@@ -156,6 +159,7 @@ void Conversation::hear(const std::string& line) {
     return;
   }
   if (const auto* progress = std::get_if<Progress>(&*event)) {
+    decoded_ = decoded_ || progress->stage != kDecodeStage;
     watch_.on_progress(*progress);
     return;
   }
@@ -200,18 +204,23 @@ WorkerEnd Conversation::end_of_signal(const ExitStatus& status) const {
                    "The result is larger than a result may be: ask for fewer attributes, a "
                    "compressed output, or another format."}};
   }
-  if (status.signal == SIGSYS) {
-    return WorkerDied{{ErrorCode::worker_crashed,
-                       "The worker was ended, twice, because it did what no worker may do: this "
-                       "input may have met a defect of fairway."},
-                      fmt::format("forbidden system call (signal {})", status.signal)};
+  const std::string how = status.signal == SIGSYS
+                              ? fmt::format("forbidden system call (signal {})", SIGSYS)
+                              : fmt::format("signal {}", status.signal);
+  // SIGKILL comes from outside: from the kernel, short of memory, or from somebody.
+  if (!decoded_ && status.signal != SIGKILL) {
+    return WorkerDied{{ErrorCode::decoder_failed,
+                       fmt::format("The process that decoded the input was ended, twice, by a {}: "
+                                   "the file is damaged in a way that no reader may survive; "
+                                   "write it anew with another program.",
+                                   how)},
+                      how};
   }
-  return WorkerDied{
-      {ErrorCode::worker_crashed,
-       fmt::format("The worker was ended by signal {}, twice: this input may have met "
-                   "a defect of fairway.",
-                   status.signal)},
-      fmt::format("signal {}", status.signal)};
+  return WorkerDied{{ErrorCode::worker_crashed,
+                     fmt::format("The worker was ended, twice, by a {}: this input may have met a "
+                                 "defect of fairway.",
+                                 how)},
+                    how};
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/service/contract/contract_walks.h"
+#include "tests/service/support/changing_worker.h"
 #include "tests/service/support/job_follower.h"
 #include "tests/service/support/sample_glb.h"
 
@@ -44,6 +45,11 @@ void see_ended_jobs(ContractWalk& walk) {
     walk.see(result_of(stage, noisy_torus(500), R"({"steps":1})"));
   }
 #endif
+  {
+    const ChangingWorker worker("kill -SEGV $$");
+    const Stage stage({"--workers", "1", "--worker", worker.path()});
+    walk.see(result_of(stage, noisy_torus(20), "{}"));
+  }
   const Stage stage({"--workers", "1"});
   const std::string path = submit(stage.client(), noisy_torus(300), kEndless);
   kill_workers_until(stage, [&] { return stage.client().get(path).json()["state"] == "failed"; });

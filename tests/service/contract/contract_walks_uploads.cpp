@@ -12,6 +12,7 @@
 #include "server/fairwayd/store/sqlite.h"
 #include "server/os/random_id.h"
 #include "tests/service/contract/contract_walks.h"
+#include "tests/service/support/changing_worker.h"
 #include "tests/service/support/job_follower.h"
 #include "tests/service/support/sample_glb.h"
 
@@ -150,6 +151,9 @@ void see_crash(ContractWalk& walk) {
   kill_workers_until(stage, [&] { return answered.load(); });
   asks.join();
   walk.see(answer);
+  const ChangingWorker worker("kill -SEGV $$");
+  const Stage dying({"--workers", "1", "--worker", worker.path()});
+  walk.see(dying.ask(request));
 }
 
 /// The path of the only job, once it runs.

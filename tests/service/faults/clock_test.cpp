@@ -1,10 +1,14 @@
 // A wall clock that somebody sets.
+#include <chrono>
+#include <cstdint>
 #include <ctime>
+#include <filesystem>
 #include <string>
 #include <thread>
 
 #include <catch2/catch.hpp>
 
+#include "server/fairwayd/store/sqlite.h"
 #include "tests/service/faults/fault_folder.h"
 #include "tests/service/support/job_follower.h"
 #include "tests/service/support/sample_glb.h"
@@ -23,6 +27,23 @@ long created(const HttpClient& client, const std::string& path) {
   std::tm parts{};
   REQUIRE(::strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts) != nullptr);
   return ::timegm(&parts);
+}
+
+/// Milliseconds of the clock that nobody can set.
+std::int64_t uptime() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+}
+
+/// Of the only job that runs, as uptime() counts.
+std::int64_t lease_until(const std::filesystem::path& directory) {
+  auto database = Database::open(directory / "jobs.sqlite");
+  REQUIRE(database);
+  auto query = database->query("SELECT lease_until FROM job WHERE state = 'running'");
+  const auto row = query.step();
+  REQUIRE(row);
+  REQUIRE(*row);
+  return query.integer(0);
 }
 
 }  // namespace
@@ -54,6 +75,9 @@ TEST_CASE("a clock that jumps by an hour takes no job from its worker") {
     CHECK(job["attempt"] == 1);
     CHECK(service.workers() == workers);
     CHECK(client.get("/metrics").status == 200);
+    const std::int64_t left = lease_until(directory.path()) - uptime();
+    CHECK(left > 0);
+    CHECK(left < 600'000);
   }
   CHECK(client.post(running + "/cancel").status == 200);
   CHECK(wait_until_final(client, queued)["state"] == "succeeded");

@@ -7,10 +7,10 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 
 #include "tests/places.h"
 #include "tests/service/faults/fault_folder.h"
+#include "tests/service/support/changing_worker.h"
 #include "tests/service/support/job_follower.h"
 #include "tests/service/support/raw_connection.h"
 #include "tests/service/support/sample_glb.h"
@@ -113,12 +113,10 @@ TEST_CASE("a worker whose N-th allocation fails says so, whatever N is") {
   const TemporaryDirectory directory;
   const TemporaryDirectory place;
   const auto which = place.path() / "which";
-  const auto worker = place.path() / "worker";
-  std::ofstream(worker) << "#!/bin/sh\nFAIRWAY_FAULT_ALLOCATION=$(cat " << which.string()
-                        << ") LD_PRELOAD=" << preloaded("allocation_fault") << " exec "
-                        << program("fairway") << " \"$@\"\n";
-  ::chmod(worker.c_str(), 0700);
-  const ServiceProcess service(directory.path(), {"--workers", "1", "--worker", worker.string()});
+  const ChangingWorker worker("FAIRWAY_FAULT_ALLOCATION=$(cat " + which.string() +
+                              ") LD_PRELOAD=" + preloaded("allocation_fault") + " exec " +
+                              program("fairway") + " \"$@\"");
+  const ServiceProcess service(directory.path(), {"--workers", "1", "--worker", worker.path()});
   const HttpClient client = service.client();
   std::size_t without_memory = 0;
   std::size_t done = 0;

@@ -1,6 +1,7 @@
 #include "server/fairwayd/http/connection.h"
 
 #include <array>
+#include <atomic>
 #include <optional>
 #include <string>
 #include <thread>
@@ -195,16 +196,16 @@ TEST_CASE("a client that drips runs out of patience, one above the least rate do
 
 TEST_CASE("a client that reads by drops is left") {
   ConnectionLimits limits = Fixture::quick();
-  limits.stall = 200ms;
-  limits.least_rate = 1 << 20;
+  limits.stall = 1s;  // longer than any one wait for the reader
+  limits.least_rate = 4 << 20;
   Fixture f(limits);
   std::jthread reader([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
-      f.answer();  // 200 bytes
-      std::this_thread::sleep_for(20ms);
+      for (int i = 0; i < 20; ++i) f.answer();  // 4000 bytes
+      std::this_thread::sleep_for(4ms);
     }
   });
-  CHECK_FALSE(f.connection().send(std::string(64 << 20, 'x')));
+  CHECK_FALSE(f.connection().send(std::string(8 << 20, 'x')));
 }
 
 TEST_CASE("chunks that are all frame, endless empty lines and what is no HTTP are refused") {
@@ -236,6 +237,7 @@ TEST_CASE("chunks that are all frame, endless empty lines and what is no HTTP ar
 TEST_CASE("an evicted client's waits end, in a body and in an answer") {
   ConnectionLimits patient;
   patient.body_bytes = 1000;
+  const auto began = std::chrono::steady_clock::now();
   Fixture body(patient);
   body.begin("Content-Length: 3\r\n");
   std::jthread first([&] {
@@ -257,6 +259,23 @@ TEST_CASE("an evicted client's waits end, in a body and in an answer") {
     answer.connection().evict();
   });
   CHECK_FALSE(answer.connection().send(std::string(64 << 20, 'x')));
+  CHECK(std::chrono::steady_clock::now() - began < patient.stall);
+}
+
+TEST_CASE("an answer under way goes on in a server that stops, for a client that reads") {
+  Fixture f;
+  f.stop().raise();
+  std::atomic<std::size_t> read = 0;
+  std::jthread reader([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      const std::size_t got = f.answer().size();
+      read += got;
+      if (got == 0) std::this_thread::sleep_for(1ms);
+    }
+  });
+  constexpr std::size_t kMuch = 2 << 20;
+  REQUIRE(f.connection().send(std::string(kMuch, 'x')));
+  while (read < kMuch) std::this_thread::sleep_for(1ms);
 }
 
 TEST_CASE("an endless request line and endless headers are told apart") {

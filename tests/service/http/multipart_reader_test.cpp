@@ -98,6 +98,9 @@ TEST_CASE("the head of a part is bounded in bytes and in lines") {
   CHECK_FALSE(
       is_refused(part(kNamed + "\r\nA: " + std::string(kMaxPartHeadBytes - 200, 'x')) + kEnd));
   CHECK(is_refused(part(kNamed + "\r\nA: " + std::string(kMaxPartHeadBytes, 'x')) + kEnd));
+  const std::string half = "\r\nA: " + std::string(kMaxPartHeadBytes / 2, 'x');
+  CHECK_FALSE(is_refused(part(kNamed + half) + kEnd));
+  CHECK(is_refused(part(kNamed + half + half) + kEnd));
   std::string lines = kNamed;
   for (std::size_t i = 1; i < kMaxPartHeaders; ++i) lines += "\r\nA: b";
   CHECK_FALSE(is_refused(part(lines) + kEnd));
@@ -144,17 +147,18 @@ TEST_CASE("a boundary is short and of its set of characters") {
 
 TEST_CASE("what a callback refuses ends the reading") {
   const std::string body = part(kNamed) + kEnd;
-  bool given = false;
-  MultipartReader reader("B", [&](std::span<char> space) -> Result<std::size_t> {
-    const std::size_t count =
-        std::exchange(given, true) ? 0 : body.copy(space.data(), space.size());
-    return count;
-  });
-  const auto read = reader.read(
-      [](const PartHead&) {
-        return Result<void>(Error{ErrorCode::too_large, "No."});
-      },
-      [](std::span<const std::byte>) { return Result<void>(); });
-  REQUIRE_FALSE(read);
-  CHECK(read.error().code == ErrorCode::too_large);
+  const Error no{ErrorCode::too_large, "No."};
+  for (const bool at_head : {true, false}) {
+    bool given = false;
+    MultipartReader reader("B", [&](std::span<char> space) -> Result<std::size_t> {
+      const std::size_t count =
+          std::exchange(given, true) ? 0 : body.copy(space.data(), space.size());
+      return count;
+    });
+    const auto read = reader.read(
+        [&](const PartHead&) { return at_head ? Result<void>(no) : Result<void>(); },
+        [&](std::span<const std::byte>) { return at_head ? Result<void>() : Result<void>(no); });
+    REQUIRE_FALSE(read);
+    CHECK(read.error().code == ErrorCode::too_large);
+  }
 }

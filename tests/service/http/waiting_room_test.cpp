@@ -18,14 +18,15 @@ namespace {
 constexpr std::string_view kGood = "GET /admitted HTTP/1.1\r\nHost: t\r\n\r\n";
 
 std::string read_all(const UniqueFd& socket) {
-  const timeval patience{60, 0};
+  const timeval patience{20, 0};
   ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   std::string text;
   std::array<char, 1000> space;
-  for (ssize_t got; (got = ::recv(socket.get(), space.data(), space.size(), 0)) > 0;) {
+  ssize_t got = 0;
+  while ((got = ::recv(socket.get(), space.data(), space.size(), 0)) > 0) {
     text.append(space.data(), static_cast<std::size_t>(got));
   }
-  return text;
+  return got == 0 ? text : "the connection does not end";
 }
 
 void send(const UniqueFd& socket, std::string_view text) {

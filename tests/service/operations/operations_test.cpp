@@ -6,11 +6,11 @@
 #include <thread>
 
 #include <catch2/catch.hpp>
-#include <sys/stat.h>
 
 #include "server/fairwayd/operations/canary.h"
 #include "server/fairwayd/store/sqlite.h"
 #include "tests/places.h"
+#include "tests/service/support/changing_worker.h"
 #include "tests/service/support/job_follower.h"
 #include "tests/service/support/sample_glb.h"
 #include "tests/service/support/service_process.h"
@@ -20,25 +20,6 @@ using namespace fairway;
 using namespace fairway::test;
 
 namespace {
-
-/// A program in the place of `fairway`, which may be changed while the service runs.
-class ChangingWorker {
- public:
-  ChangingWorker() { become("exec " + program("fairway") + " \"$@\""); }
-
-  std::string path() const { return directory_.path() / "worker"; }
-  /// Replaces the program in one step.
-  void become(const std::string& script) const {
-    const std::string next = path() + ".next";
-    std::ofstream(next) << "#!/bin/sh\n" << script << "\n";
-    ::chmod(next.c_str(), 0700);
-    std::filesystem::rename(next, path());
-  }
-  std::string place(const std::string& name) const { return directory_.path() / name; }
-
- private:
-  TemporaryDirectory directory_;
-};
 
 /// The samples of a text of metrics by name with labels; fails the test where it is no such text.
 std::map<std::string, double> samples_of(const Answer& answer) {

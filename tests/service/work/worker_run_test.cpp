@@ -108,19 +108,29 @@ TEST_CASE("silence with exit code 0 is no result") {
   CHECK(std::holds_alternative<WorkerDied>(f.run("exit 0")));
 }
 
-TEST_CASE("a signal is a death of the worker") {
-  Fixture f;
-  const auto end = f.run("kill -SEGV $$");
-  REQUIRE(std::holds_alternative<WorkerDied>(end));
-  CHECK(std::get<WorkerDied>(end).cause.code == ErrorCode::worker_crashed);
-  CHECK(std::get<WorkerDied>(end).how == fmt::format("signal {}", SIGSEGV));
+TEST_CASE("a signal is a death of the worker, in its decoder or after it") {
+  const auto death = [](const std::string& before, const std::string& signal) {
+    Fixture f;
+    const auto end = f.run(before + "kill -" + signal + " $$");
+    REQUIRE(std::holds_alternative<WorkerDied>(end));
+    return std::get<WorkerDied>(end);
+  };
+  const auto told = [](const std::string& stage) {
+    return R"(echo '{"event":"progress","stage":")" + stage +
+           R"(","step":1,"of":2,"fraction":0.5}' >&2;)";
+  };
+  CHECK(death("", "SEGV").how == fmt::format("signal {}", SIGSEGV));
+  CHECK(death("", "SEGV").cause.code == ErrorCode::decoder_failed);
+  CHECK(death(told("decode"), "ABRT").cause.code == ErrorCode::decoder_failed);
+  CHECK(death(told("decode"), "KILL").cause.code == ErrorCode::worker_crashed);
+  CHECK(death(told("topology"), "SEGV").cause.code == ErrorCode::worker_crashed);
 }
 
 TEST_CASE("a forbidden system call is a death of the worker, and named in its log line") {
   Fixture f;
   const auto end = f.run("kill -SYS $$");
   REQUIRE(std::holds_alternative<WorkerDied>(end));
-  CHECK(std::get<WorkerDied>(end).cause.code == ErrorCode::worker_crashed);
+  CHECK(std::get<WorkerDied>(end).cause.code == ErrorCode::decoder_failed);
   CHECK(std::get<WorkerDied>(end).how.starts_with("forbidden system call"));
 }
 
