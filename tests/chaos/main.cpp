@@ -1,17 +1,16 @@
 // Kills, stops and crowds the service, and checks that it keeps what it has promised. The last line
 // is "N of M": trials passed, trials made.
-#define CATCH_CONFIG_RUNNER
 #include <algorithm>
 #include <chrono>
 #include <optional>
 #include <random>
 
 #include <CLI/CLI.hpp>
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 
 #include "tests/chaos/scenarios.h"
 #include "tests/chaos/watchdog.h"
+#include "tests/one_line_reporter.h"
 
 namespace fairway::chaos {
 namespace {
@@ -19,26 +18,6 @@ namespace {
 /// The counts that the service is held to: uploads, accepted jobs, running jobs, and one each of
 /// what is only to be there.
 constexpr std::size_t kPromised = 50 + 100 + 50 + 7;
-
-/// What the helpers of the service's tests require is said in one line.
-class OneLine : public Catch::StreamingReporterBase<OneLine> {
- public:
-  using StreamingReporterBase::StreamingReporterBase;
-
-  // NOLINTNEXTLINE(readability-identifier-naming): the library calls it so
-  static std::string getDescription() { return "a line for each requirement that does not hold"; }
-
-  void assertionStarting(const Catch::AssertionInfo&) override {}
-  bool assertionEnded(const Catch::AssertionStats& stats) override {
-    const auto& result = stats.assertionResult;
-    if (result.isOk()) return true;
-    stream << result.getSourceInfo() << ": " << result.getExpandedExpression();
-    for (const auto& info : stats.infoMessages) stream << "; " << info.message;
-    stream << '\n';
-    return true;
-  }
-};
-CATCH_REGISTER_REPORTER("one-line", OneLine)
 
 // The helpers need a test case around them; the options come from the command line.
 const Options* chosen_options = nullptr;

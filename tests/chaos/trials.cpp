@@ -21,15 +21,6 @@ double at(const std::vector<double>& sorted, double share) {
 
 }  // namespace
 
-void expect(bool holds, const std::string& found) {
-  if (!holds) throw Broken(found);
-}
-
-double milliseconds_since(std::chrono::steady_clock::time_point began) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began)
-      .count();
-}
-
 void Trials::enter(std::string_view scenario) {
   scenario_ = scenario;
 }

@@ -1,26 +1,21 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <random>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "tests/broken.h"
+
 namespace fairway::chaos {
 
-/// A trial met what must not be.
-class Broken : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// Ends the trial with `found` where the promise does not hold.
-void expect(bool holds, const std::string& found);
+using test::Broken;
+using test::expect;
+using test::milliseconds_since;
 
 /// One quantity, measured many times, with the bound that it is promised to keep.
 struct Measure {
@@ -75,8 +70,5 @@ class Trials {
   std::map<std::string, std::size_t, std::less<>> by_scenario_;
   std::map<std::string, Measure> measures_;
 };
-
-/// Milliseconds from `began` until now.
-double milliseconds_since(std::chrono::steady_clock::time_point began);
 
 }  // namespace fairway::chaos

@@ -1,6 +1,5 @@
 // Hostile inputs, hostile clients and mutated meshes against the real service. The last line is
 // "N of M": cases passed, cases made.
-#define CATCH_CONFIG_RUNNER
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -8,7 +7,6 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -17,6 +15,7 @@
 #include "tests/hostile/mutants.h"
 #include "tests/hostile/shared_cases.h"
 #include "tests/hostile/wire.h"
+#include "tests/one_line_reporter.h"
 
 namespace fairway::hostile {
 namespace {
@@ -29,24 +28,6 @@ struct Options {
   double patience = 1.0;
   std::vector<std::string> only;
 };
-
-/// What the helpers of the service's tests require is said in one line.
-class OneLine : public Catch::StreamingReporterBase<OneLine> {
- public:
-  using StreamingReporterBase::StreamingReporterBase;
-
-  // NOLINTNEXTLINE(readability-identifier-naming): the library calls it so
-  static std::string getDescription() { return "a line for each requirement that does not hold"; }
-
-  void assertionStarting(const Catch::AssertionInfo&) override {}
-  bool assertionEnded(const Catch::AssertionStats& stats) override {
-    const auto& result = stats.assertionResult;
-    if (result.isOk()) return true;
-    stream << result.getSourceInfo() << ": " << result.getExpandedExpression() << '\n';
-    return true;
-  }
-};
-CATCH_REGISTER_REPORTER("one-line", OneLine)
 
 // The helpers need a test case around them; the options come from the command line.
 const Options* chosen = nullptr;

@@ -24,10 +24,6 @@ std::string shown(std::string_view text) {
 
 }  // namespace
 
-void expect(bool holds, const std::string& found) {
-  if (!holds) throw Broken(found);
-}
-
 void Score::enter(std::string_view category) {
   const auto found = std::find_if(categories_.begin(), categories_.end(),
                                   [&](const Category& each) { return each.name == category; });

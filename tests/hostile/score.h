@@ -2,21 +2,17 @@
 
 #include <cstddef>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "tests/broken.h"
+
 namespace fairway::hostile {
 
-/// A case met what must not be.
-class Broken : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// Ends the case with `found` where the promise does not hold.
-void expect(bool holds, const std::string& found);
+using test::Broken;
+using test::expect;
+using test::milliseconds_since;
 
 /// Counts the cases of each category, and says at once which of them failed.
 class Score {

@@ -61,10 +61,6 @@ test::Answer parsed_head(std::string_view head) {
 
 }  // namespace
 
-double milliseconds_since(steady_clock::time_point began) {
-  return std::chrono::duration<double, std::milli>(steady_clock::now() - began).count();
-}
-
 Wire::Wire(std::uint16_t port, const char* from)
     : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   const sockaddr_in own = address_of(from, 0);

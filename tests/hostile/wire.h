@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "server/os/unique_fd.h"
+#include "tests/broken.h"
 #include "tests/service/support/http_client.h"
 
 namespace fairway::hostile {
 
-/// Milliseconds from `began` until now.
-double milliseconds_since(std::chrono::steady_clock::time_point began);
+using test::milliseconds_since;
 
 /// One client's connection to the loopback; no call waits longer than it is told to.
 class Wire {

@@ -68,8 +68,11 @@ bool take_parameters(std::string_view text, PartHead& head) {
       value = trim_blanks(text.substr(0, text.find(';')));
       text = text.substr(std::min(text.find(';'), text.size()));
     }
-    if (name == "name") head.name = std::move(value);
-    if (name == "filename") head.file_name = std::move(value);
+    if (name == "name") {
+      head.name = std::move(value);
+    } else if (name == "filename") {
+      head.file_name = std::move(value);
+    }
   }
   return true;
 }

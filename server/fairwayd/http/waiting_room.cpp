@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include <sys/epoll.h>
@@ -117,14 +116,11 @@ void WaitingRoom::listen(Guest& guest) {
   const std::string_view head(space.data(), static_cast<std::size_t>(got));
   if (head.find("\r\n\r\n") == std::string_view::npos && head.size() < space.size()) return;
   const std::string_view line = head.substr(0, head.find("\r\n"));
-  const std::size_t path = std::min(line.find(' '), line.size());
-  const std::size_t path_end = std::min(line.find(' ', path + 1), line.size());
+  const std::string_view method = line.substr(0, line.find(' '));
+  const std::string_view rest = line.substr(std::min(method.size() + 1, line.size()));
   // Whoever takes the socket may close it at once: it is no longer watched by then.
   ::epoll_ctl(poller_.get(), EPOLL_CTL_DEL, socket, nullptr);
-  const bool admitted =
-      admit_(guest.visitor, line.substr(0, path),
-             line.substr(std::min(path + 1, path_end), path_end - std::min(path + 1, path_end)));
-  if (admitted) return;
+  if (admit_(guest.visitor, method, rest.substr(0, rest.find(' ')))) return;
   refuse(guest);
   watch(guest);
 }
