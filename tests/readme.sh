@@ -13,6 +13,7 @@ fairway sample ring noisy.glb
 fairway curvature noisy.glb whole.gltf --quiet
 jq -r '.buffers[0].uri | sub("^[^,]*,"; "")' whole.gltf | base64 -d >scene.bin
 jq '.buffers[0].uri = "scene.bin"' whole.gltf >scene.gltf
+: >service.log  # there before anybody looks for it
 fairwayd --listen 127.0.0.1:0 --data data >service.log 2>&1 &
 service=$!
 for _ in $(seq 100); do

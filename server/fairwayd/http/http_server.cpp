@@ -27,19 +27,26 @@ constexpr std::size_t kMaxVital = 1024;
 constexpr std::chrono::milliseconds kVitalPatience{250};
 constexpr std::chrono::milliseconds kVitalLinger{20};
 constexpr std::chrono::minutes kTellFull{1};
+/// Of one who is turned away: milliseconds of silence that are waited for, pieces that are read.
+constexpr int kQuiet = 20;
+constexpr int kMostUnread = 64;
 
 UniqueFd spare_descriptor() {
   return UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC));
 }
 
-/// Tells a client in one piece, without waiting for it, that there is no place. What it has sent is
-/// taken from the socket, because closing it over that would take the answer back.
+/// Tells a client in one piece that there is no place. What it sends is taken from the socket for a
+/// moment, because closing it over that would take the answer back.
 void turn_away(const UniqueFd& socket) {
   const std::string busy = refusal_message({ErrorCode::unavailable, "Too many connections."});
   ::send(socket.get(), busy.data(), busy.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   ::shutdown(socket.get(), SHUT_WR);
-  std::array<char, 4096> unread;
-  ::recv(socket.get(), unread.data(), unread.size(), MSG_DONTWAIT);
+  std::array<char, 16384> unread;
+  for (int i = 0; i < kMostUnread; ++i) {
+    pollfd more{socket.get(), POLLIN, 0};
+    if (::poll(&more, 1, kQuiet) != 1) return;
+    if (::recv(socket.get(), unread.data(), unread.size(), MSG_DONTWAIT) <= 0) return;
+  }
 }
 
 }  // namespace

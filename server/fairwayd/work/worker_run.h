@@ -36,8 +36,8 @@ struct WorkerWatch {
 
 /// The process died, or broke the protocol: not the job's statement about itself.
 struct WorkerDied {
-  /// What to tell the client in the end: memory_limit; decoder_failed where it ended by itself before
-  /// it told of any stage but "decode"; else worker_crashed.
+  /// What to tell the client in the end: memory_limit; decoder_failed where it ended by itself
+  /// before it told of any stage but "decode"; else worker_crashed.
   Error cause;
   std::string how;  ///< "signal 9", "exit code 3": for the log
 };

@@ -51,6 +51,7 @@ ServiceProcess::ServiceProcess(const std::filesystem::path& data,
                                const std::vector<std::string>& options,
                                const std::filesystem::path& log_path,
                                const std::vector<std::string>& environment) {
+  std::signal(SIGPIPE, SIG_IGN);  // a client whose connection is closed hears of it by errno
   auto ends = socket_pair();
   REQUIRE(ends);
   const UniqueFd null = open_or_fail("/dev/null", O_RDONLY);
