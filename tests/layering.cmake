@@ -40,7 +40,7 @@ forbid(server/fairway-submit "proto/formats/" "only URIs of side files are looke
 
 # The rooms of the service, from the ground up: each may include itself, what stands before it, and no
 # room after it.
-set(above "telemetry;http;store;uploads;work;webhooks;api;operations;settings;commands")
+set(above "telemetry;http;site;store;uploads;work;webhooks;api;operations;settings;commands")
 while(above)
   list(POP_FRONT above room)
   if(above)

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "server/fairwayd/api/tus.h"
+#include "server/fairwayd/site/site.h"
 #include "server/os/random_id.h"
 
 namespace fairway {
@@ -117,11 +118,9 @@ HttpResponse Api::answer_place(const Route& route, const std::string& tenant,
       return answer_upload(route, tenant, request, body);
     case Place::methods:
     case Place::openapi:
-    case Place::docs:
-    case Place::docs_code:
-    case Place::docs_style:
       return contract_.answer(route.place);
     default:
+      if (is_site(route.place)) return site_answer(request);
       return answer_job(route, {tenant, route.id}, request, body);
   }
 }

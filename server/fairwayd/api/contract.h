@@ -7,13 +7,13 @@
 
 namespace fairway {
 
-/// What the service tells of itself: the OpenAPI document, the methods, and the page that shows
-/// them. The same bytes for as long as the program runs.
+/// What the service tells programs of itself: the OpenAPI document and the methods. The same bytes
+/// for as long as the program runs.
 class Contract {
  public:
   Contract();
 
-  /// Of the places methods, openapi, docs, docs_code and docs_style; not_found for others.
+  /// Of the places methods and openapi; not_found for others.
   HttpResponse answer(Place place) const;
 
  private:

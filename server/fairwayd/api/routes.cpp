@@ -35,19 +35,32 @@ constexpr std::array kRows = {
     Row{Place::upload, "/v1/uploads/{id}", "HEAD, PATCH, DELETE", "PATCH"},
     Row{Place::methods, "/v1/methods", "GET, HEAD"},
     Row{Place::openapi, "/openapi.json", "GET, HEAD"},
+    Row{Place::page, "/", "GET, HEAD"},
+    Row{Place::page_file, "/assets/{file}", "GET, HEAD"},
+    Row{Place::sample, "/samples/{file}", "GET, HEAD"},
     Row{Place::docs, "/docs", "GET, HEAD"},
-    Row{Place::docs_code, "/docs/app.js", "GET, HEAD"},
-    Row{Place::docs_style, "/docs/style.css", "GET, HEAD"},
+    Row{Place::docs_file, "/docs/{file}", "GET, HEAD"},
 };
 
-/// The ids that `path` has where the pattern says {…}, in order.
+/// True for a name without folders.
+bool is_file_name(std::string_view name) {
+  constexpr std::size_t kLongest = 100;
+  return !name.empty() && name.size() <= kLongest && !name.starts_with('.') &&
+         std::all_of(name.begin(), name.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                  c == '.' || c == '-' || c == '_';
+         });
+}
+
+/// What `path` has where the pattern says {…}, in order.
 std::optional<std::vector<std::string>> match(std::string_view pattern, std::string_view path) {
   std::vector<std::string> ids;
   for (std::size_t at = pattern.find('{'); at != std::string_view::npos; at = pattern.find('{')) {
     if (!path.starts_with(pattern.substr(0, at))) return std::nullopt;
     path.remove_prefix(at);
     const std::string_view id = path.substr(0, path.find('/'));
-    if (!is_job_id(id)) return std::nullopt;
+    const bool fits = pattern.substr(at).starts_with("{file}") ? is_file_name(id) : is_job_id(id);
+    if (!fits) return std::nullopt;
     ids.emplace_back(id);
     path.remove_prefix(id.size());
     pattern.remove_prefix(pattern.find('}') + 1);
@@ -102,15 +115,26 @@ bool is_allowed(Place place, std::string_view method) {
   return lists(allowed_methods(place), method);
 }
 
+bool is_site(Place place) {
+  switch (place) {
+    case Place::page:
+    case Place::page_file:
+    case Place::sample:
+    case Place::docs:
+    case Place::docs_file:
+      return true;
+    default:
+      return false;
+  }
+}
+
 std::optional<Scope> needed_scope(Place place, std::string_view method) {
+  if (is_site(place)) return std::nullopt;
   switch (place) {
     case Place::livez:
     case Place::readyz:
     case Place::methods:
     case Place::openapi:
-    case Place::docs:
-    case Place::docs_code:
-    case Place::docs_style:
       return std::nullopt;
     case Place::metrics:
       return Scope::admin;

@@ -28,19 +28,21 @@ enum class Place {
   upload,          ///< /v1/uploads/{id}
   methods,         ///< /v1/methods
   openapi,         ///< /openapi.json
+  page,            ///< /
+  page_file,       ///< /assets/{file}
+  sample,          ///< /samples/{file}
   docs,            ///< /docs
-  docs_code,       ///< /docs/app.js
-  docs_style,      ///< /docs/style.css
+  docs_file,       ///< /docs/{file}
 };
 
 struct Route {
   Place place = Place::livez;
-  std::string id = {};        ///< what stands for {id}, of the shape of an id
+  std::string id = {};        ///< what stands for {id} or {file}
   std::string delivery = {};  ///< the same of {delivery}
 };
 
 /// The place of a decoded path; nothing where there is none, or where {id} or {delivery}
-/// cannot be an id.
+/// cannot be an id, or {file} not the name of a file.
 std::optional<Route> route_of(std::string_view path);
 
 /// Which listener a request came to.
@@ -71,6 +73,9 @@ std::optional<Scope> needed_scope(Place place, std::string_view method);
 
 /// True where the place wants the body of such a request.
 bool takes_body(Place place, std::string_view method);
+
+/// True for the pages and what they load.
+bool is_site(Place place);
 
 /// True where the body is work: what is limited, and tells its limits.
 bool is_submit(Place place, std::string_view method);

@@ -1,6 +1,7 @@
 #include "server/fairwayd/http/http_accept.h"
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "server/fairwayd/http/http_fields.h"
@@ -64,6 +65,25 @@ int accept_weight(const HttpRequest& request, std::string_view media_type) {
   }
   if (!any_range) return kFullWeight;
   return best.precision > 0 ? best.weight : 0;
+}
+
+bool takes_coding(const HttpRequest& request, std::string_view coding) {
+  std::optional<int> any;
+  for (const auto& [name, value] : request.headers) {
+    if (name != "accept-encoding") continue;
+    for (const std::string_view element : split_field(value, ',')) {
+      const auto parts = split_field(element, ';');
+      if (parts.empty()) continue;
+      int weight = kFullWeight;
+      for (const std::string_view part : std::span(parts).subspan(1)) {
+        const auto parameter = named_word(part);
+        if (parameter && parameter->name == "q") weight = weight_of(parameter->value);
+      }
+      if (same_word(parts.front(), coding)) return weight > 0;
+      if (parts.front() == "*") any = weight;
+    }
+  }
+  return any.value_or(0) > 0;
 }
 
 }  // namespace fairway

@@ -15,4 +15,8 @@ inline constexpr int kFullWeight = 1000;
 /// than q fits nothing, because our types have none; a weight that is no weight counts as full.
 int accept_weight(const HttpRequest& request, std::string_view media_type);
 
+/// True where the client's Accept-Encoding names `coding` ("gzip"), or "*", with a weight above 0
+/// (RFC 9110, 12.5.3). Without one no coding is taken.
+bool takes_coding(const HttpRequest& request, std::string_view coding);
+
 }  // namespace fairway

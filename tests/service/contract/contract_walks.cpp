@@ -52,6 +52,34 @@ void walk_plain(ContractWalk& walk) {
   see_common(walk, stage, path);
 }
 
+/// A file that a page of its folder names.
+std::string file_below(const Stage& stage, const std::string& folder) {
+  if (folder == "/samples/") return folder + "ring.glb";
+  const std::string page = stage.client().get(folder == "/docs/" ? "/docs" : "/").body;
+  const std::size_t at = page.find('"' + folder);
+  // Where the page was left out, its folder is empty.
+  if (at == std::string::npos) return "/docs/style.css";
+  return page.substr(at + 1, page.find('"', at + 1) - at - 1);
+}
+
+void walk_page(ContractWalk& walk) {
+  const Stage stage;
+  const std::string pattern = walk.operation().path;
+  std::string path = pattern;
+  if (pattern.ends_with("{file}")) {
+    path = file_below(stage, pattern.substr(0, pattern.find('{')));
+    walk.see(ask(walk, stage, filled(pattern, "nothing.js")));
+    see_common(walk, stage, filled(pattern, "nothing.js"));
+  } else {
+    see_common(walk, stage, path);
+  }
+  const Answer answer = ask(walk, stage, path);
+  walk.see(answer);
+  walk.see(ask(walk, stage, path, {"If-None-Match: " + answer.header("etag")}));
+  check_head(walk, stage, path);
+  see_header_examples(walk, stage, {walk.operation().method, path, {}, ""});
+}
+
 void walk_readiness(ContractWalk& walk) {
   const Stage stage;
   walk.see(ask(walk, stage, "/readyz"));
@@ -226,9 +254,11 @@ std::map<std::string, Walk> contract_walks() {
       {"inspect", walk_inspect},
       {"listMethods", walk_plain},
       {"showContract", walk_plain},
-      {"browseContract", walk_plain},
-      {"showDocsScript", walk_plain},
-      {"showDocsStyle", walk_plain},
+      {"showPage", walk_page},
+      {"showPageFile", walk_page},
+      {"showSample", walk_page},
+      {"showDocs", walk_page},
+      {"showDocsFile", walk_page},
       {"checkLiveness", walk_plain},
       {"checkReadiness", walk_readiness},
       {"showMetrics", walk_metrics},

@@ -38,7 +38,8 @@ TEST_CASE("the page of the contract loads only its own files and needs no inline
   const Answer page = client.get("/docs");
   REQUIRE(page.status == 200);
   CHECK(page.header("content-type") == "text/html; charset=utf-8");
-  CHECK(page.header("content-security-policy").starts_with("default-src 'self';"));
+  CHECK(
+      page.header("content-security-policy").starts_with("default-src 'none'; script-src 'self';"));
   CHECK(links_of(page.body) ==
         std::set<std::string>{"/docs/style.css", "/docs/app.js", "/openapi.json"});
   for (const std::string& link : links_of(page.body)) CHECK(client.get(link).status == 200);

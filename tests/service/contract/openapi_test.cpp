@@ -19,8 +19,8 @@
 namespace fairway::test {
 namespace {
 
-const std::set<std::string> kTags = {"Denoise", "Jobs",     "Uploads",
-                                     "Inspect", "Contract", "Operation"};
+const std::set<std::string> kTags = {"Denoise",  "Jobs",  "Uploads",  "Inspect",
+                                     "Contract", "Pages", "Operation"};
 
 /// The methods of an Allow header, without HEAD where it stands beside GET: there it is not
 /// documented.
@@ -209,8 +209,8 @@ TEST_CASE("paths and methods that are not documented are answered 404 and 405 wi
     check_fits(answer.json(), document["components"]["schemas"]["Problem"], document);
     return answer.problem();
   };
-  for (const char* path : {"/", "/v1", "/v1/", "/v1/jobs/", "/v2/jobs", "/docs/", "/docs/other.js",
-                           "/openapi.yaml", "/v1/methods/auto"}) {
+  for (const char* path : {"/v1", "/v1/", "/v1/jobs/", "/v2/jobs", "/docs/", "/docs/a/b.js",
+                           "/assets/", "/openapi.yaml", "/v1/methods/auto"}) {
     for (const char* method : {"GET", "POST", "PUT", "DELETE"}) {
       CAPTURE(path, method);
       const Answer answer = stage.ask({method, path, {}, ""});
@@ -262,6 +262,10 @@ TEST_CASE("every documented answer of an inspection is given, and no other") {
 TEST_CASE("every documented answer about the contract is given, and no other") {
   walk_tag("Contract");
 }
+TEST_CASE("pages answer what is documented, all of it and nothing else") {
+  walk_tag("Pages");
+}
+
 TEST_CASE("every documented answer about the operation is given, and no other") {
   walk_tag("Operation");
 }

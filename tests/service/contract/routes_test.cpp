@@ -32,12 +32,21 @@ TEST_CASE("the paths of the API lead to their places") {
   CHECK(place("/v1/jobs/" + id + "/deliveries/msg_1/redeliver") == Place::job_redeliver);
   CHECK(route_of("/v1/jobs/" + id + "/deliveries/msg_1/redeliver")->delivery == "msg_1");
   CHECK(route_of("/v1/jobs/" + id)->id == id);
+  CHECK(place("/") == Place::page);
+  CHECK(place("/assets/main-AB12.js") == Place::page_file);
+  CHECK(place("/samples/ring.glb") == Place::sample);
+  CHECK(place("/docs") == Place::docs);
+  CHECK(place("/docs/parameters") == Place::docs_file);
 }
 
 TEST_CASE("other paths lead nowhere") {
   const std::string id = random_id();
   const std::vector<std::string> paths = {"",
-                                          "/",
+                                          "/assets/",
+                                          "/assets/.hidden",
+                                          "/assets/a/b.js",
+                                          "/docs/../secret",
+                                          "/docs/" + std::string(101, 'x'),
                                           "/v1/jobs/",
                                           "/v1/jobsx",
                                           "/v1/jobs/../../etc/passwd",

@@ -53,3 +53,20 @@ TEST_CASE("weights have up to three digits, and nonsense is a full weight") {
     CHECK(weight({std::string("model/ply;q=") + q}) == kFullWeight);
   }
 }
+
+TEST_CASE("a coding is taken where it is named or all are, and not refused") {
+  const auto takes = [](const char* value) {
+    HttpRequest request;
+    request.headers.emplace_back("accept-encoding", value);
+    return takes_coding(request, "gzip");
+  };
+  CHECK(takes("gzip"));
+  CHECK(takes("deflate, GZIP;q=0.5, br"));
+  CHECK(takes("*"));
+  CHECK_FALSE(takes("br"));
+  CHECK_FALSE(takes(""));
+  CHECK_FALSE(takes("gzip;q=0"));
+  CHECK_FALSE(takes("gzip;q=0, *"));
+  CHECK_FALSE(takes("*;q=0"));
+  CHECK_FALSE(takes_coding(HttpRequest(), "gzip"));
+}
