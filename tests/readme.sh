@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Runs the examples of the README in one language against a real service.
+# Runs the examples of the README (for shell also those of the documentation's first page) in one
+# language against a real service.
 # Usage: readme.sh README BIN_DIR shell|python|javascript
 set -euo pipefail
 readme=$(realpath "$1") bin=$2 language=$3
+first_page=${readme%/*}/server/web/docs/index.html
 place=$(mktemp -d)
 service=
 trap '[ -z "$service" ] || kill "$service"; rm -rf "$place"' EXIT
@@ -61,8 +63,8 @@ run_curl() {
           { echo "no self-contained scene came"; exit 1; } ;;
     esac
     runs=$((runs + 1))
-  done < <(grep '^curl ' "$readme")
-  [ "$runs" -ge 5 ] || { echo "only $runs curl examples were found"; exit 1; }
+  done < <(grep '^curl ' "$readme"; sed 's/^<pre><code>//; s|</code></pre>$||' "$first_page" | grep '^curl ')
+  [ "$runs" -ge 9 ] || { echo "only $runs curl examples were found"; exit 1; }
 }
 
 run_tool() {

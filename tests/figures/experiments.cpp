@@ -15,12 +15,10 @@
 #include "core/shapes.h"
 #include "tests/figures/measures.h"
 #include "tests/figures/models.h"
+#include "tests/figures/series.h"
 
 namespace fairway {
 namespace {
-
-constexpr std::uint64_t kSeed = 1;
-const Scale kCurvatureScale = {1.6, "|k| L"};
 
 /// `feature_angle` in degrees; none: chosen in every step from what noise is left.
 FlowOptions flow(Method method, int steps, std::optional<double> feature_angle) {
@@ -30,68 +28,6 @@ FlowOptions flow(Method method, int steps, std::optional<double> feature_angle) 
   options.step_size = 0.1;
   options.feature_angle = feature_angle;
   return options;
-}
-
-/// A figure of one model that fills up panel by panel.
-class Series {
- public:
-  Series(std::string name, IndexedMesh clean, double noise, const Vec3& direction, const Vec3& up)
-      : clean_(std::move(clean)), noisy_(with_normal_noise(clean_, noise, kSeed)) {
-    figure_.name = std::move(name);
-    look(direction, up);
-  }
-
-  const IndexedMesh& clean() const { return clean_; }
-  const IndexedMesh& noisy() const { return noisy_; }
-  Figure& figure() { return figure_; }
-
-  void look(const Vec3& direction, const Vec3& up) {
-    figure_.camera = camera_for(clean_, direction, up,
-                                static_cast<double>(figure_.panel_width) / figure_.panel_height);
-  }
-
-  /// A panel coloured by curvature, measured against the clean mesh.
-  Result<void> add(std::string title, IndexedMesh mesh) {
-    Result<std::vector<double>> values = relative_curvature(mesh);
-    if (!values) return values.error();
-    std::string note = fmt::format("{:.2f} deg, volume {:+.2f} %", mean_normal_error(clean_, mesh),
-                                   100.0 * (volume_of(mesh) / volume_of(clean_) - 1.0));
-    figure_.panels.push_back({std::move(title),
-                              std::move(note),
-                              std::move(mesh),
-                              *std::move(values),
-                              kCurvatureScale,
-                              {}});
-    return {};
-  }
-
-  Result<void> add_clean() {
-    Result<void> done = add("original", clean_);
-    if (done) figure_.panels.back().note = fmt::format("{} vertices", clean_.positions.size());
-    return done;
-  }
-
-  Result<void> add_noisy() { return add("noisy", noisy_); }
-
-  /// The noisy mesh after a flow.
-  Result<void> add_flow(std::string title, const FlowOptions& options) {
-    Result<IndexedMesh> mesh = after_flow(noisy_, options);
-    if (!mesh) return mesh.error();
-    return add(std::move(title), *std::move(mesh));
-  }
-
- private:
-  IndexedMesh clean_;
-  IndexedMesh noisy_;
-  Figure figure_;
-};
-
-/// The first failure, if any.
-Result<void> all_of(std::initializer_list<Result<void>> done) {
-  for (const Result<void>& one : done) {
-    if (!one) return one;
-  }
-  return {};
 }
 
 Result<Figure> drilled_hole() {

@@ -23,16 +23,6 @@ void draw_centred(Image& image, int middle, int y, const std::string& text, int 
   draw_text(image, middle - text_width(text, scale) / 2, y, text, scale);
 }
 
-Image picture(const Figure& figure, const Panel& panel) {
-  Rasteriser rasteriser(figure.panel_width, figure.panel_height, kSamples, figure.camera);
-  std::vector<Rgb> colours;
-  colours.reserve(panel.values.size());
-  for (const double value : panel.values) colours.push_back(colour_of(value / panel.scale.most));
-  rasteriser.draw(panel.mesh, colours, Shading::flat);
-  rasteriser.draw_line(panel.line, kLineWidth, {0, 0, 0});
-  return rasteriser.image();
-}
-
 void draw_legend(Image& image, int x, const Scale& scale, int height) {
   constexpr int kBarWidth = 18;
   const int top = 36;
@@ -98,6 +88,16 @@ Camera camera_for(const IndexedMesh& mesh, const Vec3& direction, const Vec3& up
   camera.up = up;
   camera.half_height = 0.5 * kRoom * std::max(box.sizes().y(), box.sizes().x() / width_by_height);
   return camera;
+}
+
+Image picture(const Figure& figure, const Panel& panel) {
+  Rasteriser rasteriser(figure.panel_width, figure.panel_height, kSamples, figure.camera);
+  std::vector<Rgb> colours;
+  colours.reserve(panel.values.size());
+  for (const double value : panel.values) colours.push_back(colour_of(value / panel.scale.most));
+  rasteriser.draw(panel.mesh, colours, Shading::flat);
+  rasteriser.draw_line(panel.line, kLineWidth, {0, 0, 0});
+  return rasteriser.image();
 }
 
 Image compose(const Figure& figure) {

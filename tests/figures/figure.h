@@ -42,6 +42,9 @@ struct Figure {
 Camera camera_for(const IndexedMesh& mesh, const Vec3& direction, const Vec3& up,
                   double width_by_height);
 
+/// A panel's picture alone, without any text.
+Image picture(const Figure& figure, const Panel& panel);
+
 /// The picture: panels with title and note below them, a legend wherever the scale changes.
 Image compose(const Figure& figure);
 

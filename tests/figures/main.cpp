@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "tests/figures/experiments.h"
+#include "tests/figures/pages.h"
 #include "tests/figures/table3.h"
 
 namespace {
@@ -19,6 +20,7 @@ using fairway::ErrorCode;
 using fairway::Result;
 
 constexpr const char* kTable = "table3";
+constexpr const char* kDocs = "docs";
 
 Result<void> write_text(const std::filesystem::path& path, const std::string& text) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
@@ -44,7 +46,9 @@ Result<void> draw(const fairway::Experiment& experiment, const std::filesystem::
   return write_png(image, path);
 }
 
-Result<void> run(const std::vector<std::string>& names, const std::filesystem::path& directory) {
+Result<void> run(const std::vector<std::string>& names, const std::filesystem::path& directory,
+                 const std::filesystem::path& pages) {
+  if (std::ranges::find(names, kDocs) != names.end()) return fairway::write_documentation(pages);
   const auto wanted = [&](std::string_view name) {
     return names.empty() || std::ranges::find(names, name) != names.end();
   };
@@ -68,11 +72,15 @@ Result<void> run(const std::vector<std::string>& names, const std::filesystem::p
 int main(int argc, char** argv) {
   CLI::App app{"Regenerates the paper's figures and its Table 3 from generated models."};
   std::vector<std::string> names;
-  std::vector<std::string> known = {kTable};
+  std::vector<std::string> known = {kTable, kDocs};
   for (const fairway::Experiment& one : fairway::experiments()) known.emplace_back(one.name);
   std::filesystem::path directory = "build/figures";
-  app.add_option("names", names, "Which ones; all without a name")->check(CLI::IsMember(known));
+  std::filesystem::path pages = "server/web/docs";
+  app.add_option("names", names, "Which ones; all but docs without a name")
+      ->check(CLI::IsMember(known));
   app.add_option("--out", directory, "Where the files go")->capture_default_str();
+  app.add_option("--pages", pages, "The pages whose figures docs makes anew")
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   std::error_code failed;
   std::filesystem::create_directories(directory, failed);
@@ -80,7 +88,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "figures: cannot create {}: {}\n", directory.string(), failed.message());
     return 1;
   }
-  if (const Result<void> done = run(names, directory); !done) {
+  if (const Result<void> done = run(names, directory, pages); !done) {
     fmt::print(stderr, "figures: {}\n", done.error().message);
     return 1;
   }

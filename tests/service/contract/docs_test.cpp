@@ -35,13 +35,15 @@ TEST_CASE("the page of the contract loads only its own files and needs no inline
   const TemporaryDirectory directory;
   const ServiceProcess service(directory.path());
   const HttpClient client = service.client();
-  const Answer page = client.get("/docs");
+  const Answer page = client.get("/docs/api");
   REQUIRE(page.status == 200);
   CHECK(page.header("content-type") == "text/html; charset=utf-8");
   CHECK(
       page.header("content-security-policy").starts_with("default-src 'none'; script-src 'self';"));
-  CHECK(links_of(page.body) ==
-        std::set<std::string>{"/docs/style.css", "/docs/app.js", "/openapi.json"});
+  CHECK(links_of(page.body) == std::set<std::string>{"/docs", "/docs/api", "/docs/app.js",
+                                                     "/docs/gallery", "/docs/operations",
+                                                     "/docs/parameters", "/docs/style.css",
+                                                     "/openapi.json"});
   for (const std::string& link : links_of(page.body)) CHECK(client.get(link).status == 200);
   // What `default-src 'self'` would block.
   CHECK_FALSE(has(page.body, "<style|style=|\\son[a-z]+=|javascript:"));
