@@ -116,6 +116,14 @@ std::optional<Format> by_type(std::string_view type) {
   return row->format;
 }
 
+/// Browsers and mail programs guess the type of a file by its name, and do not know ours: Chromium
+/// on Debian takes .obj for a drawing (application/x-tgif), others .stl for a list of certificates.
+bool may_be_guessed(std::string_view type) {
+  constexpr std::array<std::string_view, 3> kKinds = {"application/", "text/", "model/"};
+  return std::any_of(kKinds.begin(), kKinds.end(),
+                     [type](std::string_view kind) { return type.starts_with(kind); });
+}
+
 bool is_cut_magic(std::span<const std::byte> head) {
   constexpr std::array<std::string_view, 3> kMagics = {"glTF", "DRACO", "ply\n"};
   return std::any_of(kMagics.begin(), kMagics.end(), [head](std::string_view magic) {
@@ -169,13 +177,13 @@ Result<Format> recognise_format(std::span<const std::byte> head, std::string_vie
                                 std::string_view file_name) {
   const std::string type = bare_type(declared_type);
   const std::optional<Format> declared = by_type(type);
-  if (!declared && !type.empty() && type != kAnyBytes) {
+  const std::optional<Format> named = format_of_file_name(file_name);
+  if (!declared && !type.empty() && type != kAnyBytes && !(named && may_be_guessed(type))) {
     return unsupported("The declared content type is not a mesh type fairway takes.");
   }
   if (head.empty()) {
     return Error{ErrorCode::malformed_input, "The upload is empty; send the bytes of a mesh file."};
   }
-  const std::optional<Format> named = format_of_file_name(file_name);
   const std::optional<Format> told = declared ? declared : named;
   std::optional<Format> found = by_magic(head);
   if (!found && told && has_no_magic(*told)) return *told;

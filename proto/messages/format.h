@@ -31,7 +31,8 @@ inline constexpr std::size_t kMagicBytes = 512;
 /// that make sense, OBJ by the keyword of its first line that is no comment. OBJ and binary STL
 /// have no magic: where the declared type or the name says so, their bytes are only asked not to be
 /// another format. `declared_type` is the Content-Type (parameters ignored; empty,
-/// application/octet-stream: recognise by the bytes and by `file_name`'s extension). Errors:
+/// application/octet-stream: recognise by the bytes and by `file_name`'s extension; so are other
+/// types that programs give a file whose extension they do not know, where we know it). Errors:
 /// malformed_input (nothing there), unsupported_format (a declared type that fairway does not take,
 /// or that the magic contradicts; a GLB or Draco version fairway does not read; unknown bytes).
 Result<Format> recognise_format(std::span<const std::byte> head, std::string_view declared_type,

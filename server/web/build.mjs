@@ -15,40 +15,44 @@ for (const file of ['draco_wasm_wrapper.js', 'draco_decoder.wasm']) {
   await copyFile(`node_modules/three/examples/jsm/libs/draco/${file}`, `page/assets/${draco}${file}`);
 }
 
-const { metafile } = await build({
-  entryPoints: ['source/main.ts', 'source/style.css'],
+const common = {
   outdir: 'page/assets',
   entryNames: '[name]-[hash]',
   chunkNames: '[name]-[hash]',
-  assetNames: '[name]-[hash]',
   bundle: true,
-  splitting: true,
   format: 'esm',
   target: 'es2022',
   minify: true,
   legalComments: 'none',
   metafile: true,
-  define: {
-    FAIRWAY_VERSION: JSON.stringify(version),
-    DRACO_PATH: JSON.stringify(`/assets/${draco}`),
-  },
-});
-
-const outputOf = (entry) => {
+};
+const url = (path) => `/assets/${basename(path)}`;
+const outputOf = ({ metafile }, entry) => {
   const found = Object.entries(metafile.outputs).find(([, output]) => output.entryPoint === entry);
   return { path: found[0], imports: found[1].imports };
 };
-const script = outputOf('source/main.ts');
-const style = outputOf('source/style.css');
-const url = (path) => `/assets/${basename(path)}`;
+
+const worker = await build({ ...common, entryPoints: ['source/view/coarse_worker.ts'] });
+const page = await build({
+  ...common,
+  entryPoints: ['source/main.ts', 'source/style.css'],
+  splitting: true,
+  define: {
+    FAIRWAY_VERSION: JSON.stringify(version),
+    DRACO_PATH: JSON.stringify(`/assets/${draco}`),
+    COARSE_WORKER: JSON.stringify(url(outputOf(worker, 'source/view/coarse_worker.ts').path)),
+  },
+});
+const script = outputOf(page, 'source/main.ts');
+const style = outputOf(page, 'source/style.css');
 const ahead = script.imports
   .filter((one) => one.kind === 'import-statement')
   .map((one) => `<link rel="modulepreload" href="${url(one.path)}">`);
 
-const page = await readFile('source/index.html', 'utf8');
+const html = await readFile('source/index.html', 'utf8');
 await writeFile(
   'page/index.html',
-  page
+  html
     .replace('<!-- style -->', `<link rel="stylesheet" href="${url(style.path)}">`)
     .replace('<!-- script -->', [...ahead, `<script type="module" src="${url(script.path)}"></script>`].join('\n')),
 );

@@ -122,4 +122,15 @@ TEST_CASE("file names name formats by their extension in any case") {
   CHECK_FALSE(format_of_file_name("x.png"));
 }
 
+TEST_CASE("a type that a browser guessed for a mesh is passed over, one of another kind is not") {
+  const std::string cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  CHECK(*recognise(cube, "application/x-tgif", "a.obj") == Format::obj);
+  CHECK(*recognise(cube, "text/plain", "A.OBJ") == Format::obj);
+  CHECK_FALSE(recognise(cube, "application/x-tgif", "a.doc"));
+  CHECK_FALSE(recognise(cube, "application/x-tgif", ""));
+  CHECK_FALSE(recognise(cube, "image/png", "a.obj"));
+  // The bytes have the last word.
+  CHECK_FALSE(recognise("glTF" + std::string(20, 'x'), "application/x-tgif", "a.obj"));
+}
+
 }  // namespace fairway::test
