@@ -17,8 +17,11 @@ done
 cd "$place"
 bin/fairway sample ring noisy.glb
 bin/fairway denoise noisy.glb clean.glb --quiet
-bin/fairway submit --help | grep -q 'fairway-submit' || die "fairway does not find fairway-submit"
-bin/fairwayd --data data --print-config | grep -q '^listen = ' || die "fairwayd --print-config"
+# Into a variable first: grep -q ends early, and who writes to it would fail.
+help=$(bin/fairway submit --help)
+grep -q 'fairway-submit' <<<"$help" || die "fairway does not find fairway-submit"
+settings=$(bin/fairwayd --data data --print-config)
+grep -q '^listen = ' <<<"$settings" || die "fairwayd --print-config"
 
 # What --help offers is on the page and offered by the completion.
 options_of() { "$@" --help | grep -oE '^ +(-[a-z],)?--[a-z-]+' | grep -oE -- '--[a-z-]+'; }
@@ -32,7 +35,7 @@ check() { # PROGRAM PAGE [SUBCOMMAND...]
   shift 2
   for option in $(options_of "bin/$program" "$@"); do
     grep -qE -- "$option( |$)" <<<"$page" || die "the page of $program lacks $* $option"
-    offered "$program" "$@" "${option:0:4}" | grep -qxF -- "$option" ||
+    grep -qxF -- "$option" <<<"$(offered "$program" "$@" "${option:0:4}")" ||
       die "the completion of $program lacks $* $option"
   done
 }
@@ -41,13 +44,13 @@ for program in fairway fairwayd fairway-submit; do
   source "share/bash-completion/completions/$program"
   file=$(echo share/man/man?/"$program".[18])
   [ -f "$file" ] || die "$program has no manual page"
-  if ! command -v man >/dev/null; then
-    echo "SKIPPED: there is no man to read the pages with"
+  if ! command -v man >/dev/null || ! command -v groff >/dev/null; then
+    echo "SKIPPED: there is no man, or no groff, to read the pages with"
     exit 0
   fi
   page=$(MANWIDTH=200 LC_ALL=C.UTF-8 MANOPT= man -l "$file" | col -b)
-  # Warnings come only where man does not format for a terminal.
-  LC_ALL=C.UTF-8 MANOPT= man --warnings=all -E UTF-8 -l -Tutf8 -Z "$file" 2>warnings >/dev/null
+  # man keeps the formatter's warnings to itself.
+  groff -man -ww -z -K utf8 -T utf8 "$file" 2>warnings
   [ ! -s warnings ] || { cat warnings; die "$file does not render cleanly"; }
   for part in NAME SYNOPSIS OPTIONS EXAMPLES 'SEE ALSO'; do
     grep -qx "$part" <<<"$page" || die "$file has no $part"
