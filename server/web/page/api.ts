@@ -46,6 +46,7 @@ export interface Job {
   started?: string;
   finished?: string;
   queue_position?: number;
+  cached?: boolean;
   labels?: string[];
   input: { bytes: number; format: string; sha256: string };
   parameters: Parameters;

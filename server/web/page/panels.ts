@@ -49,12 +49,15 @@ export function runRow(run: Run, actions: { show: () => void; cancel: () => void
   } else if (state !== 'succeeded') {
     row.append(h('small', { class: 'bad' }, run.error?.problem.title ?? state));
   } else {
-    row.append(h('small', { class: 'faint' }, `${seconds(timeOf(run.job!))} of computing`));
+    row.append(h('small', { class: 'faint' }, timeWords(run.job!)));
   }
   return row;
 }
 
-const timeOf = (job: Job): number => (Date.parse(job.finished ?? '') - Date.parse(job.started ?? '')) / 1000 || 0;
+function timeWords(job: Job): string {
+  if (job.cached) return 'known from an earlier run';
+  return `${seconds((Date.parse(job.finished ?? '') - Date.parse(job.started ?? '')) / 1000 || 0)} of computing`;
+}
 
 /// Two lists to choose what is compared with what.
 export function comparison(

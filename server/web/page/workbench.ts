@@ -7,7 +7,7 @@ import { byId, bytes, h } from './dom';
 import { ParameterPanel } from './parameter_panel';
 import { chosenOf, comparison, errorBox, jobRows, kFormats, runRow, sizeWords, type Format } from './panels';
 import { inspectionLines, reportLines } from './report';
-import { asApiError, captionOf, convert, execute, measure, type Run } from './run';
+import { asApiError, captionOf, convert, execute, measure, stageWords, type Run } from './run';
 import type { Stage } from './stage';
 import type { Model, Viewer } from './view';
 
@@ -76,7 +76,7 @@ export class Workbench {
       // The service reads more than the viewer does: what it makes of the file can be seen.
       this.showFile('The viewer cannot read this file by itself; the service is asked.');
       await this.measureBefore();
-      if (!open.before && this.open === open) this.showFile(asApiError(error).problem.detail);
+      if (!open.before && this.open === open) this.showFile(missingOr(error));
     }
     await this.inspect(open);
   }
@@ -236,6 +236,8 @@ export class Workbench {
   private showRuns(): void {
     const open = this.open;
     this.runsBox.hidden = !open || open.runs.length === 0;
+    const running = open?.runs.find((run) => !run.error && !(run.job && isOver(run.job)));
+    this.stage.busy(running ? (stageWords[running.stage] ?? running.stage) : null, running?.progress);
     if (!open) return;
     const rows = open.runs.map((run) =>
       runRow(run, {
@@ -336,6 +338,12 @@ export class Workbench {
 function mainFirst(files: File[]): File[] {
   const rank = (file: File): number => (/\.gltf$/i.test(file.name) ? 0 : /\.(glb|ply|obj|stl|drc)$/i.test(file.name) ? 1 : 2);
   return [...files].sort((a, b) => rank(a) - rank(b));
+}
+
+/// Why a file is not shown: what loaders say of bytes helps nobody, what they say of files does.
+function missingOr(error: unknown): string {
+  const text = error instanceof Error ? error.message : '';
+  return text.includes('drop it together') ? text : 'The viewer cannot read this file.';
 }
 
 async function copyText(text: string, button: HTMLButtonElement): Promise<void> {
