@@ -1,7 +1,7 @@
 // The parts of the panel: what is open, the result, the runs, the jobs of the service.
 
 import { bytes, count, h, plural } from './dom';
-import { isOver, type ApiError, type Job } from './api';
+import { isOver, kAside, type ApiError, type Job } from './api';
 import { captionOf, nameOf, stageWords, type Run } from './run';
 import { seconds } from './report';
 
@@ -79,7 +79,7 @@ export function comparison(
 
 /// The rows of the jobs that the service knows.
 export function jobRows(jobs: readonly Job[], open: (job: Job) => void, remove: (job: Job) => void): HTMLElement[] {
-  return jobs.map((job) => {
+  return jobs.filter((job) => !job.labels?.includes(kAside)).map((job) => {
     const file = job.labels?.find((label) => label.startsWith('file:'))?.slice(5) ?? `${job.input.format} of ${bytes(job.input.bytes)}`;
     const when = new Date(job.created).toLocaleTimeString([], { hour: '2-digit', minute: '2-digit' });
     const show = h('button', { type: 'button', class: 'link', textContent: file, disabled: job.state !== 'succeeded', title: job.id });
