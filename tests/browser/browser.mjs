@@ -94,7 +94,7 @@ export async function denoise(page) {
     before,
   );
   const state = await row.getAttribute('data-state');
-  if (state === 'succeeded') await page.waitForFunction(() => /Run \d/.test(document.querySelector('[data-test="result"] h2')?.textContent ?? ''));
+  if (state === 'succeeded') await part(page, 'result').getByText(`Run ${before + 1}:`).waitFor();
   return state;
 }
 

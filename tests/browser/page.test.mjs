@@ -171,14 +171,14 @@ test('a glTF finds its side files, and says which is missing', () =>
     mkdirSync(folder, { recursive: true });
     const scene = JSON.parse(readFileSync(files('octahedron.gltf'), 'utf8'));
     const data = Buffer.from(scene.buffers[0].uri.split(',')[1], 'base64');
-    scene.buffers[0].uri = 'mesh data.bin';
+    scene.buffers[0].uri = 'data/mesh%20data.bin';
     writeFileSync(join(folder, 'scene.gltf'), JSON.stringify(scene));
     writeFileSync(join(folder, 'mesh data.bin'), data);
     await openMesh(page, [join(folder, 'mesh data.bin'), join(folder, 'scene.gltf')]);
     assert.equal(await denoise(page), 'succeeded');
     await page.setInputFiles('#files', [join(folder, 'scene.gltf')]);
     await part(page, 'error').waitFor();
-    assert.match(await part(page, 'error').textContent(), /mesh data\.bin/);
+    assert.match(await part(page, 'error').textContent(), /mesh%20data\.bin/);
   }));
 
 test('errors are told with their remedy', () =>

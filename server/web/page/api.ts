@@ -46,6 +46,7 @@ export interface Job {
   started?: string;
   finished?: string;
   queue_position?: number;
+  cached?: boolean;
   labels?: string[];
   input: { bytes: number; format: string; sha256: string };
   parameters: Parameters;
@@ -158,22 +159,34 @@ export async function call(path: string, init: RequestInit = {}, retry = true): 
 
 const json = async <T>(path: string, init?: RequestInit): Promise<T> => (await call(path, init)).json() as Promise<T>;
 
-/// A form as the service takes it: the mesh, and what it names as it names it.
-function formOf(files: File[]): FormData {
+/// A form as the service takes it: the mesh, and the files it names under the names that it has for them.
+async function formOf(files: File[]): Promise<FormData> {
+  const [main, ...others] = files;
+  const uris = main!.name.toLowerCase().endsWith('.gltf') ? await urisOf(main!) : [];
   const form = new FormData();
-  files.forEach((file, i) => form.append(i === 0 ? 'mesh' : relativePath(file, files[0]!), file, file.name));
+  form.append('mesh', main!, main!.name);
+  others.forEach((file, i) => form.append(`file${i}`, file, uris.find((uri) => uri.split('/').pop() === file.name) ?? file.name));
   return form;
 }
 
-/// The path of a side file as seen from the folder of the main file.
-function relativePath(file: File, main: File): string {
-  const folder = main.webkitRelativePath.split('/').slice(0, -1).join('/');
-  const path = file.webkitRelativePath || file.name;
-  return folder && path.startsWith(`${folder}/`) ? path.slice(folder.length + 1) : path;
+/// The last part of a URI, as a file is called.
+export const fileNameOf = (uri: string): string => decodeURIComponent(uri.split('/').pop() ?? uri);
+
+/// What a glTF names, decoded; nothing where it is none, which the service will say.
+async function urisOf(main: File): Promise<string[]> {
+  try {
+    const scene = JSON.parse(await main.text()) as Record<'buffers' | 'images', { uri?: string }[] | undefined>;
+    const named = [...(scene.buffers ?? []), ...(scene.images ?? [])].map((one) => one.uri ?? '');
+    return named.filter((uri) => uri && !uri.startsWith('data:')).map(decodeURIComponent);
+  } catch {
+    return [];
+  }
 }
 
+type Sent = (fraction: number) => void;
+
 /// Sends a form and tells how much of it is gone. fetch cannot tell.
-function send(path: string, form: FormData, sent?: (fraction: number) => void): Promise<{ status: number; text: string }> {
+function send(path: string, form: FormData, sent?: Sent, stop?: AbortSignal): Promise<{ status: number; text: string }> {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
     request.open('POST', path);
@@ -181,17 +194,20 @@ function send(path: string, form: FormData, sent?: (fraction: number) => void): 
     request.upload.onprogress = (event) => event.lengthComputable && sent?.(event.loaded / event.total);
     request.onload = () => resolve({ status: request.status, text: request.responseText });
     request.onerror = () => reject(unreachable());
+    request.onabort = () => reject(new ApiError({ title: 'Canceled', status: 0, detail: 'The upload was stopped.', code: 'canceled' }));
+    stop?.addEventListener('abort', () => request.abort());
     request.send(form);
   });
 }
 
-async function upload<T>(path: string, files: File[], sent?: (fraction: number) => void): Promise<T> {
-  let answer = await send(path, formOf(files), sent);
+async function upload<T>(path: string, files: File[], sent?: Sent, stop?: AbortSignal): Promise<T> {
+  const form = await formOf(files);
+  let answer = await send(path, form, sent, stop);
   if (answer.status === 401) {
     const key = await askForKey();
     if (key !== null) {
       setKey(key);
-      answer = await send(path, formOf(files), sent);
+      answer = await send(path, form, sent, stop);
     }
   }
   if (answer.status < 200 || answer.status > 299) throw problemOf(answer.text, answer.status);
@@ -202,14 +218,19 @@ async function upload<T>(path: string, files: File[], sent?: (fraction: number) 
 export const labelOf = (name: string): string =>
   `file:${name.replaceAll(/[^A-Za-z0-9._:/@+=-]/g, '_')}`.slice(0, 100);
 
+/// The label of jobs that the page does by the way: they are in no list.
+export const kAside = 'page:aside';
+
 /// Submits a job: by the digest of its input where the service still has that, else with the files.
 export async function submit(
   input: Input,
   parameters: Parameters,
-  label: string,
-  sent?: (fraction: number) => void,
+  labels: string[],
+  sent?: Sent,
+  stop?: AbortSignal,
 ): Promise<Job> {
-  const query = new URLSearchParams({ params: JSON.stringify(parameters), label });
+  const query = new URLSearchParams({ params: JSON.stringify(parameters) });
+  for (const label of labels) query.append('label', label);
   if (input.sha256) {
     try {
       return await json<Job>(`/v1/jobs?${query}&input=sha256:${input.sha256}`, { method: 'POST' });
@@ -218,7 +239,7 @@ export async function submit(
       if (!gone || input.files.length === 0) throw error;
     }
   }
-  const job = await upload<Job>(`/v1/jobs?${query}`, input.files, sent);
+  const job = await upload<Job>(`/v1/jobs?${query}`, input.files, sent, stop);
   input.sha256 = job.input.sha256;
   return job;
 }

@@ -1,7 +1,7 @@
 // The parts of the panel: what is open, the result, the runs, the jobs of the service.
 
 import { bytes, count, h, plural } from './dom';
-import { isOver, type ApiError, type Job } from './api';
+import { isOver, kAside, type ApiError, type Job } from './api';
 import { captionOf, nameOf, stageWords, type Run } from './run';
 import { seconds } from './report';
 
@@ -49,12 +49,15 @@ export function runRow(run: Run, actions: { show: () => void; cancel: () => void
   } else if (state !== 'succeeded') {
     row.append(h('small', { class: 'bad' }, run.error?.problem.title ?? state));
   } else {
-    row.append(h('small', { class: 'faint' }, `${seconds(timeOf(run.job!))} of computing`));
+    row.append(h('small', { class: 'faint' }, timeWords(run.job!)));
   }
   return row;
 }
 
-const timeOf = (job: Job): number => (Date.parse(job.finished ?? '') - Date.parse(job.started ?? '')) / 1000 || 0;
+function timeWords(job: Job): string {
+  if (job.cached) return 'known from an earlier run';
+  return `${seconds((Date.parse(job.finished ?? '') - Date.parse(job.started ?? '')) / 1000 || 0)} of computing`;
+}
 
 /// Two lists to choose what is compared with what.
 export function comparison(
@@ -76,7 +79,7 @@ export function comparison(
 
 /// The rows of the jobs that the service knows.
 export function jobRows(jobs: readonly Job[], open: (job: Job) => void, remove: (job: Job) => void): HTMLElement[] {
-  return jobs.map((job) => {
+  return jobs.filter((job) => !job.labels?.includes(kAside)).map((job) => {
     const file = job.labels?.find((label) => label.startsWith('file:'))?.slice(5) ?? `${job.input.format} of ${bytes(job.input.bytes)}`;
     const when = new Date(job.created).toLocaleTimeString([], { hour: '2-digit', minute: '2-digit' });
     const show = h('button', { type: 'button', class: 'link', textContent: file, disabled: job.state !== 'succeeded', title: job.id });

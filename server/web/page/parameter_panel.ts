@@ -135,7 +135,7 @@ export class ParameterPanel {
 
   private field(pointer: string, name: string, schema: Schema): HTMLElement {
     const id = `parameter${pointer.replaceAll('/', '-')}`;
-    const { input, value, clear, suggest } = this.control(name, schema);
+    const { input, value, clear, suggest } = this.control(schema);
     input.id = id;
     const error = h('p', { class: 'error', role: 'alert' });
     const unit = schema['x-unit'] ? ` (${schema['x-unit']})` : '';
@@ -144,6 +144,7 @@ export class ParameterPanel {
     const element = h('div', { class: 'field' }, h('label', { htmlFor: id }, titleOf(name)), input, help, error);
     this.fields.push({ pointer, element, input, error, value, clear, suggest });
     input.addEventListener('change', () => {
+      if (name === 'method') help.textContent = this.methodWords((input as HTMLSelectElement).value) || (schema.description ?? '');
       error.textContent = '';
       input.removeAttribute('aria-invalid');
       this.changed();
@@ -151,23 +152,23 @@ export class ParameterPanel {
     return element;
   }
 
-  private control(name: string, schema: Schema): Omit<Field, 'pointer' | 'element' | 'error'> {
+  private methodWords(name: string): string {
+    const method = this.methods.methods.find((one) => one.name === name);
+    return method ? `${method.good_for} ${method.choose_when}` : '';
+  }
+
+  private control(schema: Schema): Omit<Field, 'pointer' | 'element' | 'error'> {
     const kinds = [schema, ...(schema.anyOf ?? [])];
-    if (schema.enum) return this.choice(name, schema.enum);
-    if (kinds.some((kind) => kind.type === 'boolean')) return this.choice(name, ['true', 'false']);
+    if (schema.enum) return this.choice(schema.enum);
+    if (kinds.some((kind) => kind.type === 'boolean')) return this.choice(['true', 'false']);
     const number = kinds.find((kind) => kind.type === 'number' || kind.type === 'integer');
     return number && !kinds.some((kind) => kind.type === 'array') ? this.number(kinds, number) : this.json();
   }
 
-  private choice(name: string, options: string[]): Omit<Field, 'pointer' | 'element' | 'error'> {
+  private choice(options: string[]): Omit<Field, 'pointer' | 'element' | 'error'> {
     const first = h('option', { value: '' });
     const input = h('select', {}, first, ...options.map((option) => h('option', { value: option }, option)));
     const text = options[0] === 'true' ? JSON.parse : (value: string) => value;
-    if (name === 'method') {
-      const told = new Map(this.methods.methods.map((method) => [method.name, method.good_for]));
-      input.addEventListener('change', () => (input.title = told.get(input.value) ?? ''));
-      for (const option of input.options) option.title = told.get(option.value) ?? '';
-    }
     return {
       input,
       value: () => (input.value === '' ? undefined : text(input.value)),

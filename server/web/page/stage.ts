@@ -39,6 +39,9 @@ export class Stage {
     this.look.high = high;
     this.apply();
   });
+  private readonly progress = h('progress', { max: 1, aria: { label: 'Progress' } });
+  private readonly stageOfWork = h('span', { role: 'status' });
+  private readonly busyBox = h('div', { class: 'busy', hidden: true }, this.stageOfWork, this.progress);
   private readonly tools: HTMLElement;
   private viewer: Viewer | null = null;
   private readonly look: Look = {
@@ -65,6 +68,7 @@ export class Stage {
       this.divider,
       this.tools,
       this.legend.element,
+      this.busyBox,
     );
     this.makeDivider();
     this.canvas.addEventListener('keydown', (event) => this.key(event));
@@ -85,6 +89,13 @@ export class Stage {
 
   fit(): void {
     this.viewer?.fit();
+  }
+
+  /// Says what is being done, and how far it is; null: nothing.
+  busy(words: string | null, fraction = 0): void {
+    this.busyBox.hidden = words === null;
+    if (words !== null && this.stageOfWork.textContent !== words) this.stageOfWork.textContent = words;
+    this.progress.value = fraction;
   }
 
   wantsCurvature(): boolean {
@@ -156,9 +167,7 @@ export class Stage {
       'div',
       { class: 'tools', role: 'toolbar', aria: { label: 'View' } },
       h('div', { class: 'segments layouts' }, ...layouts),
-      this.colours,
-      ...toggles,
-      fit,
+      h('div', { class: 'more' }, this.colours, ...toggles, fit),
     );
   }
 

@@ -7,7 +7,7 @@ import { byId, bytes, h } from './dom';
 import { ParameterPanel } from './parameter_panel';
 import { chosenOf, comparison, errorBox, jobRows, kFormats, runRow, sizeWords, type Format } from './panels';
 import { inspectionLines, reportLines } from './report';
-import { asApiError, captionOf, convert, execute, measure, type Run } from './run';
+import { asApiError, captionOf, convert, execute, measure, newRun, stageWords, type Run } from './run';
 import type { Stage } from './stage';
 import type { Model, Viewer } from './view';
 
@@ -76,7 +76,7 @@ export class Workbench {
       // The service reads more than the viewer does: what it makes of the file can be seen.
       this.showFile('The viewer cannot read this file by itself; the service is asked.');
       await this.measureBefore();
-      if (!open.before && this.open === open) this.showFile(asApiError(error).problem.detail);
+      if (!open.before && this.open === open) this.showFile(missingOr(error));
     }
     await this.inspect(open);
   }
@@ -90,7 +90,9 @@ export class Workbench {
       this.showFile('Fetching the mesh …');
       await this.measureBefore();
       this.showFile();
-      const run: Run = { number: ++this.counter, parameters: chosenOf(job.parameters), job, progress: 1, stage: '', error: null };
+      const { output: _, compression: __, features: ___, ...asked } = job.parameters;
+      const run = newRun(++this.counter, chosenOf(job.parameters), asked);
+      run.job = job;
       open.runs.push(run);
       if (job.state === 'succeeded') await this.choose('right', run);
       this.showRuns();
@@ -111,13 +113,13 @@ export class Workbench {
       this.complain(error);
       return;
     }
-    const run: Run = { number: ++this.counter, parameters: chosen, job: null, progress: 0, stage: 'upload', error: null };
+    const run = newRun(++this.counter, chosen);
     open.runs.push(run);
     this.runButton.disabled = true;
     await execute(run, open.input, labelOf(open.name), () => this.open === open && this.showRuns());
     this.runButton.disabled = false;
     if (this.open !== open) return;
-    if (run.error) this.complain(run.error);
+    if (run.error && run.error.problem.code !== 'canceled') this.complain(run.error);
     else if (run.job?.state === 'succeeded') {
       history.replaceState(null, '', `#job=${run.job.id}`);
       await this.choose('right', run).catch((error: unknown) => this.complain(error));
@@ -236,11 +238,13 @@ export class Workbench {
   private showRuns(): void {
     const open = this.open;
     this.runsBox.hidden = !open || open.runs.length === 0;
+    const running = open?.runs.find((run) => !run.error && !(run.job && isOver(run.job)));
+    this.stage.busy(running ? (stageWords[running.stage] ?? running.stage) : null, running?.progress);
     if (!open) return;
     const rows = open.runs.map((run) =>
       runRow(run, {
         show: () => void this.choose('right', run).catch((error: unknown) => this.complain(error)),
-        cancel: () => run.job && void cancel(run.job.id).catch((error: unknown) => this.complain(error)),
+        cancel: () => (run.job ? void cancel(run.job.id).catch((error: unknown) => this.complain(error)) : run.stop.abort()),
         forget: () => void this.forget(open, run),
       }),
     );
@@ -290,7 +294,7 @@ export class Workbench {
     const open = this.open;
     if (!place || !open?.right) return;
     const names = open.input.files.length > 0 ? open.input.files.map((file) => file.name) : [open.name];
-    place.textContent = curlOf(names, open.right.parameters, location.origin);
+    place.textContent = curlOf(names, open.right.asked, location.origin);
   }
 
   private async download(open: Open, run: Run, format: Format, button: HTMLButtonElement): Promise<void> {
@@ -336,6 +340,12 @@ export class Workbench {
 function mainFirst(files: File[]): File[] {
   const rank = (file: File): number => (/\.gltf$/i.test(file.name) ? 0 : /\.(glb|ply|obj|stl|drc)$/i.test(file.name) ? 1 : 2);
   return [...files].sort((a, b) => rank(a) - rank(b));
+}
+
+/// Why a file is not shown: what loaders say of bytes helps nobody, what they say of files does.
+function missingOr(error: unknown): string {
+  const text = error instanceof Error ? error.message : '';
+  return text.includes('drop it together') ? text : 'The viewer cannot read this file.';
 }
 
 async function copyText(text: string, button: HTMLButtonElement): Promise<void> {

@@ -1,6 +1,7 @@
 // Files to scenes. Loaders come when a file of their kind does.
 
 import { BufferGeometry, Group, LoadingManager, Mesh, MeshStandardMaterial, Object3D } from 'three';
+import { fileNameOf } from '../api';
 
 /// A scene, or why there is none; the service may read what this page does not.
 export async function loadFiles(files: File[]): Promise<Object3D> {
@@ -79,7 +80,7 @@ async function loadGltf(main: File, others: File[]): Promise<Object3D> {
   const manager = new LoadingManager();
   manager.setURLModifier((url) => {
     if (url.startsWith('blob:') || url.startsWith('data:') || url.startsWith(DRACO_PATH)) return url;
-    const name = decodeURIComponent(url.split('/').pop() ?? url);
+    const name = fileNameOf(url);
     const file = others.find((other) => other.name === name);
     if (!file) throw new Error(`The glTF names ${name}: drop it together with the .gltf.`);
     const made = URL.createObjectURL(file);

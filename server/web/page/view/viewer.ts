@@ -49,7 +49,7 @@ function drawsBySoftware(): boolean {
 }
 
 export class Viewer {
-  split = 0.5;
+  private readonly splits = { split: 0.5, side: 0.5 };
   private readonly renderer: WebGLRenderer;
   private readonly scenes = { before: new Scene(), after: new Scene() };
   private readonly camera = new PerspectiveCamera(35, 1, 0.01, 100);
@@ -95,6 +95,16 @@ export class Viewer {
     if (this.look) this.apply(this.look);
   }
 
+  /// Where the two sides part, as a share of the width; each layout has its own.
+  get split(): number {
+    return this.splits[this.look?.layout === 'side' ? 'side' : 'split'];
+  }
+
+  set split(share: number) {
+    this.splits[this.look?.layout === 'side' ? 'side' : 'split'] = share;
+    this.draw();
+  }
+
   model(side: Side): Model | null {
     return this.models[side];
   }
@@ -124,8 +134,7 @@ export class Viewer {
     if (box.isEmpty()) return;
     const ball = box.getBoundingSphere(new Sphere());
     const radius = Math.max(ball.radius, 1e-12);
-    const narrow = Math.min(1, this.aspect());
-    const distance = (1.12 * radius) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
+    const distance = (1.12 * radius) / Math.sin((this.camera.fov * Math.PI) / 360);
     this.camera.near = distance / 200;
     this.camera.far = distance * 20;
     this.controls.target.copy(ball.center);
@@ -191,10 +200,11 @@ export class Viewer {
     this.resize();
   }
 
-  private aspect(): number {
+  /// Both sides have one scale: that in which the narrower one sees about what a square would.
+  private scale(): number {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const share = this.look?.layout === 'side' ? Math.min(this.split, 1 - this.split) : 1;
-    return (share * width) / Math.max(height, 1);
+    return Math.min(1, (1.2 * share * width) / Math.max(height, 1));
   }
 
   private resize(): void {
@@ -248,6 +258,7 @@ export class Viewer {
     this.renderer.setScissor(left, 0, width, height);
     this.renderer.setScissorTest(true);
     this.camera.aspect = full / height;
+    this.camera.zoom = this.scale();
     this.camera.updateProjectionMatrix();
     this.renderer.render(this.scenes[side], this.camera);
   }
