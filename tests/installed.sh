@@ -58,7 +58,7 @@ for program in fairway fairwayd fairway-submit; do
   check "$program" "$page"
   case $program in
     fairway) for verb in denoise curvature inspect methods sample compare; do check fairway "$page" $verb; done ;;
-    fairwayd) for verb in "keys add" "keys list" "keys revoke" "tenants list" "tenants set"; do
+    fairwayd) for verb in "keys add" "keys list" "keys revoke" "tenants list" "tenants set" "webhooks secret show"; do
       # shellcheck disable=SC2086
       check fairwayd "$page" $verb
     done ;;

@@ -28,15 +28,13 @@ int main(int count, char** arguments) {
     variables.emplace_back(*variable);
   const std::span<const char* const> rest(arguments + 1,
                                           static_cast<std::size_t>(count > 0 ? count - 1 : 0));
-  if (fairway::is_tenant_command(rest)) {
-    const auto text = fairway::run_tenant_command(rest, variables);
+  const bool for_webhooks = !rest.empty() && std::string_view(rest.front()) == "webhooks";
+  if (for_webhooks || fairway::is_tenant_command(rest)) {
+    const auto text = for_webhooks ? fairway::run_webhooks_command(rest, variables)
+                                   : fairway::run_tenant_command(rest, variables);
     if (!text) return complain(text.error());
     fmt::print("{}", *text);
     return 0;
-  }
-  if (!rest.empty() && std::string_view(rest.front()) == "webhooks") {
-    const auto done = fairway::run_webhooks_command(rest.subspan(1), variables);
-    return done ? 0 : complain(done.error());
   }
   const auto settings = fairway::parse_settings(rest, variables);
   if (!settings) return complain(settings.error());

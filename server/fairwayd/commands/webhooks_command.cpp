@@ -2,10 +2,12 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <string_view>
+#include <memory>
+#include <string>
 #include <system_error>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -16,30 +18,42 @@
 namespace fairway {
 namespace {
 
-Error usage() {
-  return {ErrorCode::usage,
-          "Usage: fairwayd webhooks secret show|rotate [--tenant NAME] --data DIR"};
-}
-
-/// Takes "--tenant NAME" or "--tenant=NAME" out of the arguments.
-Result<std::string> take_tenant(std::vector<const char*>& arguments) {
-  constexpr std::string_view kFlag = "--tenant";
-  std::string tenant(kLocalTenant);
-  for (auto it = arguments.begin(); it != arguments.end();) {
-    const std::string_view word = *it;
-    if (word == kFlag) {
-      it = arguments.erase(it);
-      if (it == arguments.end()) return usage();
-      tenant = *it;
-    } else if (word.starts_with("--tenant=")) {
-      tenant = word.substr(kFlag.size() + 1);
-    } else {
-      ++it;
-      continue;
-    }
-    it = arguments.erase(it);
+/// The commands as CLI11 reads them.
+struct CommandLine {
+  CommandLine() {
+    app.require_subcommand(1);
+    CLI::App* webhooks = app.add_subcommand("webhooks", "What receivers of webhooks need");
+    webhooks->require_subcommand(1);
+    CLI::App* secret = webhooks->add_subcommand("secret", "The secret that signs webhooks");
+    secret->require_subcommand(1);
+    add(*secret, "show", "Print it");
+    rotate = add(*secret, "rotate", "Make a new one and print it; both sign for a while");
   }
-  return tenant;
+
+  CLI::App* add(CLI::App& group, const char* name, const char* help) {
+    CLI::App* made = group.add_subcommand(name, help);
+    made->add_option("--data", data, "The data directory; as fairwayd's own")->type_name("DIR");
+    made->add_option("--config", config, "A file that says it")->type_name("FILE");
+    made->add_option("--tenant", tenant, "Whose secret it is")->capture_default_str();
+    return made;
+  }
+
+  CLI::App app{"fairwayd: what receivers of webhooks need", "fairwayd"};
+  std::string data;
+  std::string config;
+  std::string tenant{kLocalTenant};
+  CLI::App* rotate = nullptr;
+};
+
+/// The data directory, found as the service finds it.
+Result<std::filesystem::path> data_directory(const CommandLine& line,
+                                             std::span<const std::string> environment) {
+  std::vector<const char*> arguments;
+  if (!line.data.empty()) arguments.insert(arguments.end(), {"--data", line.data.c_str()});
+  if (!line.config.empty()) arguments.insert(arguments.end(), {"--config", line.config.c_str()});
+  const auto settings = parse_settings(arguments, environment);
+  if (!settings) return settings.error();
+  return settings->data;
 }
 
 Result<std::unique_ptr<SqliteOutbox>> open_outbox(const std::filesystem::path& data) {
@@ -56,28 +70,29 @@ Result<std::unique_ptr<SqliteOutbox>> open_outbox(const std::filesystem::path& d
 
 }  // namespace
 
-Result<void> run_webhooks_command(std::span<const char* const> arguments,
-                                  std::span<const std::string> environment) {
-  if (arguments.size() < 2 || std::string_view(arguments[0]) != "secret") return usage();
-  const std::string_view verb = arguments[1];
-  if (verb != "show" && verb != "rotate") return usage();
-  std::vector<const char*> rest(arguments.begin() + 2, arguments.end());
-  const auto tenant = take_tenant(rest);
-  if (!tenant) return tenant.error();
-  const auto settings = parse_settings(rest, environment);
-  if (!settings) return settings.error();
-  if (settings->help) return usage();
-  auto outbox = open_outbox(settings->data);
+Result<std::string> run_webhooks_command(std::span<const char* const> arguments,
+                                         std::span<const std::string> environment) {
+  CommandLine line;
+  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+  try {
+    line.app.parse(reversed);
+  } catch (const CLI::CallForHelp&) {
+    return line.app.help();
+  } catch (const CLI::ParseError& e) {
+    return Error{ErrorCode::usage, std::string(e.what()) + ". See --help."};
+  }
+  const auto data = data_directory(line, environment);
+  if (!data) return data.error();
+  auto outbox = open_outbox(*data);
   if (!outbox) return outbox.error();
-  if (verb == "rotate") {
-    if (auto rotated = (*outbox)->rotate_secret(*tenant); !rotated) return rotated.error();
+  if (line.rotate->parsed()) {
+    if (auto rotated = (*outbox)->rotate_secret(line.tenant); !rotated) return rotated.error();
     fmt::print(stderr, "fairwayd: the secret before this one signs, too, for {} hours.\n",
                kSecretOverlap.count());
   }
-  const auto secrets = (*outbox)->secrets(*tenant);
+  const auto secrets = (*outbox)->secrets(line.tenant);
   if (!secrets) return secrets.error();
-  fmt::print("{}\n", secrets->front());
-  return {};
+  return secrets->front() + "\n";
 }
 
 }  // namespace fairway

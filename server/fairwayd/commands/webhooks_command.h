@@ -7,10 +7,11 @@
 
 namespace fairway {
 
-/// fairwayd webhooks secret show|rotate [--tenant NAME] --data DIR (or the other ways to say a
-/// setting): prints the tenant's signing secret; rotate makes a new one first. May run beside the
-/// service. `arguments`: those after "webhooks". Errors: usage, not_found, as SqliteOutbox.
-Result<void> run_webhooks_command(std::span<const char* const> arguments,
-                                  std::span<const std::string> environment);
+/// `fairwayd webhooks secret show|rotate`: prints the tenant's signing secret; rotate makes a new
+/// one first. Works on the data directory of the settings, beside a service that runs there.
+/// `arguments`: those after the program's name; `environment`: "NAME=value". Returns what is to be
+/// printed. Errors: usage, not_found, as SqliteOutbox.
+Result<std::string> run_webhooks_command(std::span<const char* const> arguments,
+                                         std::span<const std::string> environment);
 
 }  // namespace fairway
