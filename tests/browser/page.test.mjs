@@ -37,11 +37,6 @@ async function withTab(options, use) {
   await context.close();
 }
 
-test('a build without the page is not tested as one', async (context) => {
-  const text = await (await fetch(service.url)).text();
-  if (!text.includes('/assets/main-')) context.skip('SKIPPED: this build has no page');
-});
-
 test('the first view is small and asks nobody else', () =>
   withTab({}, async (page) => {
     await page.locator('.welcome').waitFor();

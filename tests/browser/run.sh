@@ -9,6 +9,7 @@ skip() { echo "SKIPPED: $*"; exit 0; }
 command -v node >/dev/null || skip 'there is no node'
 command -v npm >/dev/null || skip 'there is no npm'
 [ "$(node -p 'process.versions.node.split(".")[0]')" -ge 18 ] || skip 'node is older than 18'
+grep -qa 'src="/assets/main-' "$bin/fairwayd" || skip 'this fairwayd was built without its page'
 chromium=$(command -v chromium || command -v chromium-browser) || skip 'there is no chromium (Debian: chromium)'
 "$chromium" --headless --no-sandbox --dump-dom about:blank >/dev/null 2>&1 || skip 'chromium does not start'
 
