@@ -69,8 +69,9 @@ foreach(room core proto server)
   forbid(${room} "seccomp" "only server/os/sandbox.cpp includes libseccomp" server/os/sandbox.cpp)
   forbid(${room} "curl/" "only server/fairwayd/webhooks/webhook_client.cpp includes libcurl"
          server/fairwayd/webhooks/webhook_client.cpp)
-  forbid(${room} "httplib" "only http_engine.cpp and http_session.cpp include httplib"
-         server/fairwayd/http/http_engine.cpp server/fairway-submit/http_session.cpp)
+  forbid(${room} "httplib" "only http_engine.cpp, health_command.cpp and http_session.cpp include httplib"
+         server/fairwayd/http/http_engine.cpp server/fairwayd/commands/health_command.cpp
+         server/fairway-submit/http_session.cpp)
 endforeach()
 
 if(broken)

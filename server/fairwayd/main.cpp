@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "proto/messages/problem.h"
+#include "server/fairwayd/commands/health_command.h"
 #include "server/fairwayd/commands/tenant_command.h"
 #include "server/fairwayd/commands/webhooks_command.h"
 #include "server/fairwayd/service.h"
@@ -49,6 +50,11 @@ int main(int count, char** arguments) {
   if (settings->print_config) {
     fmt::print("{}", fairway::print_settings(*settings));
     return 0;
+  }
+  if (settings->health) {
+    const auto ready = fairway::check_health(*settings);
+    if (ready) fmt::print("ready\n");
+    return ready ? 0 : complain(ready.error());
   }
   const auto served = fairway::run_service(*settings);
   return served ? 0 : complain(served.error());

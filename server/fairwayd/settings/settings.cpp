@@ -40,6 +40,8 @@ struct CommandLine {
     app.add_flag("--version", version, "Print the version and exit");
     app.add_flag("--print-config", print_config,
                  "Print the settings in force as a file for --config, and exit");
+    app.add_flag("--health", health,
+                 "Ask the service that runs with these settings whether it is ready, and exit");
     app.add_option("--config", config, "A file of lines \"name = value\", # begins a comment")
         ->type_name("FILE");
     const auto rows = setting_rows();
@@ -64,6 +66,7 @@ struct CommandLine {
   bool help = false;
   bool version = false;
   bool print_config = false;
+  bool health = false;
   std::string config;
   std::vector<std::string> values;  ///< of each row of the table
 };
@@ -155,6 +158,7 @@ Result<Settings> parse_settings(std::span<const char* const> arguments,
   settings.help = line.help;
   settings.version = line.version;
   settings.print_config = line.print_config;
+  settings.health = line.health;
   if (settings.help || settings.version) return settings;
   settings.origins.assign(setting_rows().size(), "default");
 
@@ -164,7 +168,9 @@ Result<Settings> parse_settings(std::span<const char* const> arguments,
   if (auto done = take_file(settings, line.config); !done) return done.error();
   if (auto done = take_variables(settings, std::move(variables)); !done) return done.error();
   if (auto done = take_flags(settings, line); !done) return done.error();
-  if (settings.data.empty()) return usage("--data DIR is needed: where jobs and meshes are kept.");
+  // Who only asks needs no data.
+  if (settings.data.empty() && !settings.health)
+    return usage("--data DIR is needed: where jobs and meshes are kept.");
   return settings;
 }
 

@@ -48,6 +48,7 @@ struct Settings {
   bool help = false;
   bool version = false;
   bool print_config = false;
+  bool health = false;
 
   std::vector<std::string> origins;  ///< of each row of the table: "default", "--workers", "FILE:3"
   std::vector<std::string> unknown_variables;  ///< FAIRWAY_… that mean nothing here

@@ -1,5 +1,7 @@
 // The real service with the real worker, from outside.
+#include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <string>
 #include <thread>
 #include <utility>
@@ -266,4 +268,28 @@ TEST_CASE("a taken port and a used data directory are refused at the start") {
   CHECK(taken.status.code == 36);
   CHECK(taken.text.find("listen on 127.0.0.1") != std::string::npos);
   CHECK(refused_start({"--what"}).status.code == 2);
+}
+
+TEST_CASE("the health of a service is asked for by the program itself") {
+  const TemporaryDirectory directory;
+  std::string address;
+  {
+    const ServiceProcess service(directory.path());
+    address = "127.0.0.1:" + std::to_string(service.port());
+    const Refusal healthy = refused_start({"--health", "--listen", address});
+    CHECK(healthy.status.code == 0);
+    std::filesystem::remove_all(directory.path() / "spool");
+    const auto until = std::chrono::steady_clock::now() + kPatience;
+    Refusal unready = healthy;
+    while (unready.status.code == 0) {  // what it found stays found for a second
+      REQUIRE(std::chrono::steady_clock::now() < until);
+      unready = refused_start({"--health", "--listen", address});
+    }
+    CHECK(unready.status.code == 39);
+    CHECK(unready.text.find("not ready") != std::string::npos);
+  }
+  const Refusal gone = refused_start({"--health", "--listen", address});
+  CHECK(gone.status.code == 39);
+  CHECK(gone.text.find("Nothing answers at " + address) != std::string::npos);
+  CHECK(refused_start({"--health", "--listen", "127.0.0.1:0"}).status.code == 2);
 }
