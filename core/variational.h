@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/mesh.h"
+#include "core/result.h"
+#include "core/triangle_mesh.h"
+
+namespace fairway {
+
+/// One iterate of the variational method.
+struct VariationalStep {
+  int step = 0;                   ///< 1-based
+  double mu = 0.0;                ///< weight of the edges beside the data, dimensionless
+  double lambda = 0.0;            ///< threshold of the residual bend at the median edge, radians
+  double degrees_of_freedom = 0;  ///< share of the vertices' freedom that is left, in [0, 1]
+  double gcv = 0.0;  ///< generalised cross-validation, length²: the least one is chosen
+  int solver_iterations = 0;
+};
+
+/// What the path found and chose.
+struct VariationalReport {
+  double noise = 0.0;  ///< σ, length, along the normals
+  int chosen = 0;      ///< number of the iterate that is the answer; 0 where nothing was done
+  std::vector<VariationalStep> path;
+};
+
+/// Positions per surface vertex, relative to the surface's origin.
+struct VariationalResult {
+  std::vector<Vec3> positions;
+  VariationalReport report;
+};
+
+/// Removes noise by an annealed minimisation that keeps close to the input, makes weighted edges as
+/// bent as a smoothed shape operator prescribes, and stops where cross-validation with a random
+/// probe is least. Finds all of its numbers from the mesh. `held`: 1 per surface vertex that does
+/// not move. Deterministic: fixed seeds, fixed order. Source: the paper's edge curvature and weight
+/// w_{λ,r}, on what the prescribed curvature does not explain. Errors: canceled (looked at between
+/// iterates), diverged (a position is not finite).
+Result<VariationalResult> denoise_variational(
+    const TriangleMesh& mesh, std::span<const unsigned char> held,
+    const std::function<void(const VariationalStep&)>& observer = {}, std::stop_token stop = {});
+
+}  // namespace fairway
