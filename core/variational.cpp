@@ -504,7 +504,8 @@ bool Path::is_finite() const {
 
 VariationalResult Path::take() && {
   VariationalResult result;
-  result.positions = best_.empty() ? mesh_.positions() : std::move(best_);
+  if (best_.empty()) best_ = mesh_.positions();
+  result.positions = std::move(best_);
   for (std::size_t v = 0; v < n_; ++v) {
     if (held_[v]) result.positions[v] = mesh_.positions()[v];
   }
