@@ -114,7 +114,7 @@ test('a noisy ring becomes smooth, is compared, coloured, run again and download
     await page.getByRole('radio', { name: 'cad' }).check();
     await keep(page, 'parameters');
     assert.equal(await denoise(page), 'succeeded');
-    assert.match(await part(page, 'report').textContent(), /removed in 7 steps/);
+    assert.match(await part(page, 'report').textContent(), /treated in 7 steps/);
     assert.match(await part(page, 'result').textContent(), /Run 2: cad, steps 7/);
     await page.getByLabel('Left').selectOption({ label: 'Run 1: automatic' });
     await page.locator('.caption.left', { hasText: 'Run 1' }).waitFor();
@@ -218,7 +218,7 @@ test('a run can be cancelled, and the jobs of the service are listed and opened 
     assert.match(page.url(), /#job=/);
     await page.reload();
     await page.locator('.caption.right', { hasText: 'Run 1' }).waitFor();
-    assert.match(await part(page, 'report').textContent(), /removed in 5 steps/);
+    assert.match(await part(page, 'report').textContent(), /treated in 5 steps/);
     await keep(page, 'opened-again');
   }));
 

@@ -9,14 +9,15 @@ const percent = (share: number): string => {
   return `${value > 0 ? '+' : '−'}${Math.abs(value).toFixed(2)} %`;
 };
 
-function sentenceOf(surface: SurfaceReport): string {
+/// `chosen`: a person said how many steps, so whether the noise is gone is for him to judge.
+function sentenceOf(surface: SurfaceReport, chosen: boolean): string {
   const flow = surface.flow;
   const parts: string[] = [];
   if (flow.steps_done === 0) {
     parts.push(flow.noise > 0.001 ? `noise about ${short(flow.noise)} edge lengths; nothing was moved` : 'no noise found; left as it is');
   } else {
     parts.push(
-      `noise about ${short(flow.noise)} edge lengths, removed in ${plural(flow.steps_done, 'step')}`,
+      `noise about ${short(flow.noise)} edge lengths, ${chosen ? 'treated' : 'removed'} in ${plural(flow.steps_done, 'step')}`,
       `vertices moved by ${short(flow.rms_displacement)} edge lengths on average, ${short(flow.max_displacement)} at most`,
     );
     if (surface.boundary_loops === 0 && flow.volume_change !== null) parts.push(`volume ${percent(flow.volume_change)}`);
@@ -33,7 +34,7 @@ export function reportLines(job: Job, features: number): { text: string; note?: 
   const named = report.surfaces.length > 1;
   const lines: { text: string; note?: boolean }[] = [];
   for (const surface of report.surfaces.slice(0, 12)) {
-    const sentence = sentenceOf(surface);
+    const sentence = sentenceOf(surface, job.parameters.steps !== 'auto');
     lines.push({ text: named ? `${surface.name}: ${sentence}` : sentence[0]!.toUpperCase() + sentence.slice(1) });
     for (const note of surface.flow.notes) lines.push({ text: named ? `${surface.name}: ${note}` : note, note: true });
   }
