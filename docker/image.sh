@@ -48,7 +48,7 @@ revision=$(git rev-parse HEAD 2>/dev/null || echo unknown)
 say "building stage $target on $base"
 buildah bud --isolation chroot --format docker --layers -f docker/Dockerfile --target "$target" \
   --build-arg BASE="$base" --build-arg VERSION="$version" --build-arg REVISION="$revision" \
-  --volume "$cache:/root/.cache/ccache" -t "localhost/fairway:$target" . >build/image.log 2>&1 ||
+  --volume "$cache:/ccache" -t "localhost/fairway:$target" . >build/image.log 2>&1 ||
   { tail -n 40 build/image.log >&2; say "the image was not built; see build/image.log"; exit 1; }
 [ "$target" = runtime ] || exit 0
 buildah tag localhost/fairway:runtime "localhost/fairway:$version" localhost/fairway:latest

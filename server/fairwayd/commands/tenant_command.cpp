@@ -15,7 +15,7 @@
 
 #include "proto/messages/job_document.h"
 #include "proto/messages/json.h"
-#include "server/fairwayd/settings/settings.h"
+#include "server/fairwayd/commands/data_words.h"
 #include "server/fairwayd/store/job_store.h"
 #include "server/fairwayd/store/sqlite_tenant_store.h"
 #include "server/fairwayd/telemetry/clocks.h"
@@ -27,8 +27,7 @@ constexpr UnixMillis kDayMillis = 86'400'000;
 
 /// What was said on the command line; 0 or "" where nothing was.
 struct Words {
-  std::string data;
-  std::string config;
+  DataWords data;
   std::string tenant{kLocalTenant};
   std::string scopes = "submit,read";
   std::string label;
@@ -51,9 +50,7 @@ struct CommandLine {
 
   CLI::App* command(CLI::App& group, const char* name, const char* help) {
     CLI::App* made = group.add_subcommand(name, help);
-    made->add_option("--data", words.data, "The data directory; as fairwayd's own")
-        ->type_name("DIR");
-    made->add_option("--config", words.config, "A file that says it")->type_name("FILE");
+    words.data.add_to(*made);
     return made;
   }
   void make_keys() {
@@ -96,21 +93,18 @@ struct CommandLine {
   CLI::App* set = nullptr;
 };
 
-/// The data directory, found as the service finds it.
+/// The data directory, made where it is absent: keys may come before the service.
 Result<std::filesystem::path> data_directory(const Words& words,
                                              std::span<const std::string> environment) {
-  std::vector<const char*> arguments;
-  if (!words.data.empty()) arguments.insert(arguments.end(), {"--data", words.data.c_str()});
-  if (!words.config.empty()) arguments.insert(arguments.end(), {"--config", words.config.c_str()});
-  const auto settings = parse_settings(arguments, environment);
-  if (!settings) return settings.error();
+  auto data = words.data.directory(environment);
+  if (!data) return data.error();
   std::error_code error;
-  std::filesystem::create_directories(settings->data, error);
+  std::filesystem::create_directories(*data, error);
   if (error) {
     return Error{ErrorCode::io, fmt::format("Cannot make the data directory {}: {}.",
-                                            settings->data.string(), error.message())};
+                                            data->string(), error.message())};
   }
-  return settings->data;
+  return data;
 }
 
 std::string time_or(const std::optional<UnixMillis>& time, const char* otherwise) {

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include "server/fairwayd/settings/settings.h"
+#include "server/fairwayd/commands/data_words.h"
 #include "server/fairwayd/store/job_store.h"
 #include "server/fairwayd/store/sqlite_outbox.h"
 
@@ -32,29 +32,16 @@ struct CommandLine {
 
   CLI::App* add(CLI::App& group, const char* name, const char* help) {
     CLI::App* made = group.add_subcommand(name, help);
-    made->add_option("--data", data, "The data directory; as fairwayd's own")->type_name("DIR");
-    made->add_option("--config", config, "A file that says it")->type_name("FILE");
+    data.add_to(*made);
     made->add_option("--tenant", tenant, "Whose secret it is")->capture_default_str();
     return made;
   }
 
   CLI::App app{"fairwayd: what receivers of webhooks need", "fairwayd"};
-  std::string data;
-  std::string config;
+  DataWords data;
   std::string tenant{kLocalTenant};
   CLI::App* rotate = nullptr;
 };
-
-/// The data directory, found as the service finds it.
-Result<std::filesystem::path> data_directory(const CommandLine& line,
-                                             std::span<const std::string> environment) {
-  std::vector<const char*> arguments;
-  if (!line.data.empty()) arguments.insert(arguments.end(), {"--data", line.data.c_str()});
-  if (!line.config.empty()) arguments.insert(arguments.end(), {"--config", line.config.c_str()});
-  const auto settings = parse_settings(arguments, environment);
-  if (!settings) return settings.error();
-  return settings->data;
-}
 
 Result<std::unique_ptr<SqliteOutbox>> open_outbox(const std::filesystem::path& data) {
   const std::filesystem::path jobs = data / "jobs.sqlite";
@@ -81,7 +68,7 @@ Result<std::string> run_webhooks_command(std::span<const char* const> arguments,
   } catch (const CLI::ParseError& e) {
     return Error{ErrorCode::usage, std::string(e.what()) + ". See --help."};
   }
-  const auto data = data_directory(line, environment);
+  const auto data = line.data.directory(environment);
   if (!data) return data.error();
   auto outbox = open_outbox(*data);
   if (!outbox) return outbox.error();
