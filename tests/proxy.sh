@@ -58,10 +58,17 @@ state=$(curl -sS "$url/v1/jobs/$id" | sed -n 's/.*"state":"\([^"]*\)".*/\1/p')
 [ "$seen,$state" = 'event: progress,running' ] || die "progress is held back: $seen, $state"
 curl -sS -X POST -o /dev/null "$url/v1/jobs/$id/cancel"
 
+# A page of the proxy's own address, port and all, is no strange page.
+status=$(curl -s -o /dev/null -w '%{http_code}' -H "Origin: $url" -F "mesh=@$work/ring.glb" "$url/v1/jobs")
+[ "$status" = 202 ] || die "the page behind the proxy is answered $status"
+
 head -c 3000000 /dev/zero >"$work/large.glb"
 answer=$(curl -sS -F "mesh=@$work/large.glb" "$url/v1/denoise" || true)
 grep -q '"code":"too_large"' <<<"$answer" || die "too large is not told by the service: $answer"
 [ "$(curl -s -o /dev/null -w '%{http_code}' "$url/metrics")" = 404 ] || die "metrics are open to all"
 [ "$(curl -s -o /dev/null -w '%{http_code}' -H 'Range: bytes=0-3' "$url/samples/ring.glb")" = 200 ] || die "samples do not come"
 curl -sf "$url/" | grep -q '<title>fairway' || die "the page does not come"
+kill "$daemon" && wait "$daemon" || true
+daemon=
+curl -s "$url/livez" | grep -q '"code":"unavailable"' || die "a service that is away is not told as a problem"
 echo "the proxy holds"
