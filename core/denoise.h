@@ -22,10 +22,17 @@ struct FlowStep {
   double lambda = 0.0;         ///< length; 0 for isotropic flows
   /// rms displacement so far of the vertices that may move, along the start normals, in mean edges
   double displacement = 0.0;
-  double step_size = 0.0;        ///< τ as done
+  double step_size = 0.0;        ///< τ as done; 0 for the variational method
   int solver_iterations = 0;     ///< of the linear system, where there is one
-  double solver_residual = 0.0;  ///< its true relative residual
+  double solver_residual = 0.0;  ///< its true relative residual; flows only
+  // Of the variational method only, see VariationalStep.
+  double mu = 0.0;
+  double degrees_of_freedom = 0.0;
+  double cross_validation = 0.0;  ///< in squared mean edges
 };
+
+/// What noise a run found. `none`: the surface stays as it is.
+enum class FoundNoise { none, white, correlated };
 
 /// What a run found, chose and did.
 struct FlowReport {
@@ -37,6 +44,11 @@ struct FlowReport {
   double lambda = 0.0;         ///< length
   int unfold_rounds = 0;
   int halved_steps = 0;  ///< steps made smaller because their system was not solved
+  FoundNoise noise_kind = FoundNoise::white;  ///< flows do not look for correlation
+  /// Of the variational method: the step that is the answer; 0 where it is the input or a low pass.
+  int chosen_step = 0;
+  double strength = 0.0;   ///< of that step, see FlowOptions
+  double pass_band = 0.0;  ///< of the low pass that is the answer, in (0, 2]; else 0
   std::vector<FlowStep> steps;
   double volume_before = 0.0;  ///< signed, about the centroid; length³
   double volume_after = 0.0;
@@ -59,9 +71,10 @@ struct Denoised {
 
 /// What an automatic run with the default options finds before its first step.
 struct NoiseFinding {
-  double mean_edge_length = 0.0;  ///< L, length, after unfolding
-  double noise = 0.0;             ///< σ̂ / L, after unfolding: FlowReport::noise of that run
-  int most_steps = 0;             ///< that run takes no more; it may end before
+  double mean_edge_length = 0.0;  ///< L, length
+  double noise = 0.0;             ///< σ̂ / L: FlowReport::noise of that run
+  FoundNoise kind = FoundNoise::none;
+  int most_steps = 0;  ///< that run takes no more; it may end before
 
   /// That run would leave the surface as it is.
   bool clean() const { return most_steps == 0; }
@@ -70,8 +83,8 @@ struct NoiseFinding {
 /// Called after every step, from the thread that runs denoise().
 using FlowObserver = std::function<void(const FlowStep&)>;
 
-/// Runs the flow of `options` on a surface. `steps` = 0 or method `none` return the input
-/// positions unchanged, and so does an automatic number of steps on a surface without noise.
+/// Denoises a surface as `options` say. `steps` = 0 or method `none` return the input
+/// positions unchanged, and so does an automatic run on a surface without noise.
 /// Deterministic. Errors: diverged (a position not finite or outside ten bounding boxes, with the
 /// step and which of the two; a linear system without solution), canceled (stop requested; looked
 /// at between steps), invalid_parameters (a fixed vertex that is not in the source).

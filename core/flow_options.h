@@ -7,8 +7,9 @@
 
 namespace fairway {
 
-/// Which flow runs. `none` computes curvature only.
+/// How the surface is denoised. `none` computes curvature only.
 enum class Method {
+  variational,  ///< prescribed curvature by annealed minimisation, finds all of its numbers itself
   none,
   mean_curvature,          ///< isotropic mean curvature flow, eq. (8) with w = 1
   anisotropic,             ///< anisotropic mean curvature flow (AMC), eq. (7), (8)
@@ -32,6 +33,14 @@ enum class Boundary { free, fixed };
 /// `recommended`: feature vertices average over feature neighbours only. `paper`: the literal text.
 enum class Conventions { recommended, paper };
 
+/// What the variational method takes the noise for. `white`: of each vertex by itself.
+/// `correlated`: of neighbours alike, as scanners and reconstructions leave it. `automatic`: looks.
+enum class NoiseKind { automatic, white, correlated };
+
+/// What the variational method expects of the surface. `sharp`: edges, which a low pass would
+/// round, so that none is tried. `smooth`: none finer than 8°. `automatic`: whatever is there.
+enum class SurfaceKind { automatic, sharp, smooth };
+
 /// Smoothing of the prescribed curvature: `passes` times f ← (1 − fraction) f + fraction · average
 /// of f over the neighbours.
 struct CurvatureSmoothing {
@@ -46,9 +55,16 @@ struct Guards {
   bool local_step = true;  ///< per-vertex step min(s / M_pp, ½ / K_pp)
 };
 
-/// All choices of one flow run. An empty optional is an automatic choice.
+/// All choices of one run. An empty optional is an automatic choice. The variational method looks
+/// at `strength`, `noise`, `surface`, `boundary`, `fixed_vertices` and, for features that are asked
+/// for, at `feature_angle` and `lambda`; the flows look at all but the first three.
 struct FlowOptions {
-  Method method = Method::anisotropic_prescribed;
+  Method method = Method::variational;
+  /// In [0, 1], along the path of minimisations: 0 leaves the surface as it is, 1 is the end of the
+  /// path; automatic: where cross-validation is least.
+  std::optional<double> strength;
+  NoiseKind noise = NoiseKind::automatic;
+  SurfaceKind surface = SurfaceKind::automatic;
   Integration integration = Integration::explicit_euler;
   std::optional<Mass> mass;
   CurvatureMeasure measure = CurvatureMeasure::length;
@@ -65,6 +81,11 @@ struct FlowOptions {
   Guards guards;
   bool find_features = false;  ///< fill Denoised::features
 };
+
+/// True for the paper's flows, which take steps.
+constexpr bool is_flow(Method method) {
+  return method != Method::none && method != Method::variational;
+}
 
 /// True for the methods that detect features, and so use λ.
 constexpr bool is_anisotropic(Method method) {

@@ -23,7 +23,7 @@ using Vec4 = Eigen::Vector4d;
 /// Symmetric: xx, yy, zz, xy, xz, yz.
 using Sym = Eigen::Matrix<double, 6, 1>;
 
-constexpr int kMostIterates = 24;
+constexpr int kMostIterates = kMostVariationalSteps;
 constexpr int kEarliestLeast = 5;  // the least GCV is looked for from this iterate on
 constexpr int kPatience = 6;
 constexpr int kFirstPower = -5;  // μ of the first iterate is 2 to this
@@ -517,11 +517,14 @@ VariationalResult Path::take() && {
 
 Result<VariationalResult> denoise_variational(
     const TriangleMesh& mesh, std::span<const unsigned char> held,
-    const std::function<void(const VariationalStep&)>& observer, std::stop_token stop) {
+    const VariationalOptions& options, const std::function<void(const VariationalStep&)>& observer,
+    std::stop_token stop) {
   Path path(mesh, held);
+  const int most = options.strength ? static_cast<int>(std::ceil(*options.strength * kMostIterates))
+                                    : kMostIterates;
   std::vector<VariationalStep> steps;
   int chosen = 0;
-  for (int number = 1; number <= kMostIterates && !path.has_nothing(); ++number) {
+  for (int number = 1; number <= most && !path.has_nothing(); ++number) {
     if (stop.stop_requested()) {
       return Error{ErrorCode::canceled, "The run was canceled between two iterates."};
     }
@@ -531,13 +534,22 @@ Result<VariationalResult> denoise_variational(
                    "The variational method diverged at iterate " + std::to_string(number) + "."};
     }
     if (path.take_if_best(steps.back())) chosen = number;
+    steps.back().gcv /= mesh.mean_edge_length() * mesh.mean_edge_length();
     if (observer) observer(steps.back());
     if (path.is_over(number)) break;
   }
   VariationalResult result = std::move(path).take();
   result.report.chosen = chosen;
+  result.report.strength = static_cast<double>(chosen) / kMostIterates;
   result.report.path = std::move(steps);
   return result;
+}
+
+VariationalReport find_variational_noise(const TriangleMesh& mesh, unsigned /*threads*/) {
+  const std::vector<unsigned char> held(mesh.vertex_count());
+  VariationalReport report = Path(mesh, held).take().report;
+  if (!(report.noise > 0.0)) report.kind = FoundNoise::none;
+  return report;
 }
 
 }  // namespace fairway
