@@ -1,515 +1,323 @@
-// The path of minimisations, its weights, targets and end. Symbols as in core/EQUATIONS.md.
+// The noise is looked at, the path is walked, and the best estimate on it or beside it chosen.
 
 #include "core/variational.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
+#include <limits>
 #include <numbers>
-#include <string>
 #include <utility>
 
-#include "core/edge_geometry.h"
-#include "core/median.h"
+#include "core/edge_stencils.h"
+#include "core/fold_guard.h"
+#include "core/low_pass.h"
+#include "core/noise_model.h"
 #include "core/surface_geometry.h"
+#include "core/thread_team.h"
+#include "core/variational_path.h"
 
 namespace fairway {
 namespace {
 
-/// Three coordinates and the probe.
-using Vec4 = Eigen::Vector4d;
-/// Symmetric: xx, yy, zz, xy, xz, yz.
-using Sym = Eigen::Matrix<double, 6, 1>;
+using Outcome = VariationalPath::Outcome;
 
-constexpr int kMostIterates = kMostVariationalSteps;
-constexpr int kEarliestLeast = 5;  // the least GCV is looked for from this iterate on
+constexpr int kMost = kMostVariationalSteps;
+constexpr int kEarliestLeast = 6;  // the least GCV is looked for from this iterate on
 constexpr int kPatience = 6;
-constexpr int kFirstPower = -5;  // μ of the first iterate is 2 to this
-constexpr int kSolverIterations = 60;
-constexpr double kSolverTolerance = 1e-4;
-constexpr double kGaussian = 0.6745;  // median of |g| of the standard normal
-constexpr double kBendDeviations = 3.25;
-constexpr double kTransition = 10.0;
+constexpr int kEvennessStep = 5;
+constexpr int kCorrelationStep = 7;
+constexpr int kColourStep = 11;
+constexpr double kNoNoise = 1e-9;  // of a mean edge
+// Below this much noise, what neighbours have in common is detail.
+constexpr double kLittleNoise = 0.05;
+constexpr double kDetailCorrelation = 0.2;
+constexpr double kNoiseCorrelation = 0.13;
+constexpr double kScannerCorrelation = 0.03;
+constexpr double kLeastEvenness = 0.55;
+constexpr double kUneven = 0.6;
+constexpr int kColourUpdates = 2;
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr int kShrinkagePasses = 20;
-constexpr double kShrinkageCap = 300.0;
-constexpr double kShrinkage = 3.0;
 
-/// The same numbers on every machine (splitmix64).
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t bits() {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15U;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    return z ^ (z >> 31U);
+/// f of a filter that was made from the noise it is to remove counts for more.
+double penalised(double f) {
+  return f + 0.25 * f * (1.0 - f) + 0.5 * std::min(f, 0.05) * (1.0 - f);
+}
+
+double cross_validation(const Outcome& outcome, double freedom) {
+  return outcome.misfit / ((1.0 - freedom) * (1.0 - freedom));
+}
+
+/// Face normals averaged to vertices, and these once over the ring; unit or zero.
+std::vector<Vec3> smooth_normals(const TriangleMesh& mesh) {
+  const FaceGeometry faces =
+      face_geometry(mesh, mesh.positions(), smallest_area(mesh.mean_edge_length()));
+  const std::vector<Vec3> once = vertex_normals(mesh, faces);
+  std::vector<Vec3> normals = once;
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    for (const Index w : mesh.rings()[v]) normals[v] += once[w];
+    const double length = normals[v].norm();
+    normals[v] = length > 0.0 ? Vec3(normals[v] / length) : Vec3(Vec3::Zero());
   }
-  double sign() { return (bits() & 1U) != 0 ? 1.0 : -1.0; }
-  double unit() { return (static_cast<double>(bits() >> 11U) + 0.5) * 0x1p-53; }
-  double normal() {
-    const double radius = std::sqrt(-2.0 * std::log(unit()));
-    return radius * std::cos(2.0 * std::numbers::pi * unit());
-  }
-
- private:
-  std::uint64_t state_;
-};
-
-Sym outer(const Vec3& t, double scale) {
-  Sym s;
-  s << t.x() * t.x(), t.y() * t.y(), t.z() * t.z(), t.x() * t.y(), t.x() * t.z(), t.y() * t.z();
-  return s * scale;
+  return normals;
 }
 
-double quadratic(const Sym& s, const Vec3& y) {
-  return s[0] * y.x() * y.x() + s[1] * y.y() * y.y() + s[2] * y.z() * y.z() +
-         2.0 * (s[3] * y.x() * y.y() + s[4] * y.x() * y.z() + s[5] * y.y() * y.z());
-}
-
-double squared_norm(const Sym& s) {
-  return s.head<3>().squaredNorm() + 2.0 * s.tail<3>().squaredNorm();
-}
-
-/// An interior edge between two faces that are there.
-struct InnerEdge {
-  std::array<Index, 4> points;  ///< p, q, o0, o1
-  std::array<Index, 2> faces;
-};
-
-/// Of an edge in one iterate.
-struct EdgeState {
-  std::array<double, 4> c{};  ///< coefficients of D_e
-  Vec3 normal = Vec3::Zero();
-  double height = 0.0;         ///< h_e
-  double weight = 0.0;         ///< w_e
-  Vec4 target = Vec4::Zero();  ///< δ_e N_e, and the probe's δ_e
-};
-
-class Path {
- public:
-  Path(const TriangleMesh& mesh, std::span<const unsigned char> held);
-  bool has_nothing() const { return edges_.empty() || sigma_ <= 0.0; }
-  VariationalStep iterate(int number);
-  bool take_if_best(const VariationalStep& step);
-  VariationalResult take() &&;
-  bool is_over(int number) const { return number > std::max(least_, kEarliestLeast) + kPatience; }
-  bool is_finite() const;
-
- private:
-  void find_edges(const FaceGeometry& faces);
-  void find_noise();
-  void measure(const FaceGeometry& faces);
-  double weigh(const FaceGeometry& faces);
-  void prescribe(const FaceGeometry& faces, double mu);
-  void shrink(const std::vector<double>& q, double qz);
-  int solve(double mu);
-  void apply(const std::vector<Vec4>& x, std::vector<Vec4>& out, double mu, double alpha) const;
-  std::vector<double> normal_displacement() const;
-  template <class Field>
-  void diffuse(std::vector<Field>& field, int passes) const;
-  std::vector<double> umbrella_fourth(const std::vector<Vec3>& field) const;
-
-  const TriangleMesh& mesh_;
-  const std::span<const unsigned char> held_;
-  const std::size_t n_;
-  std::vector<InnerEdge> edges_;
-  std::vector<std::array<Index, 3>> face_edges_;  ///< kNoIndex where there is none
-  std::vector<Vec3> normals_;                     ///< of the start, averaged once
-  double sigma_ = 0.0;
-  double mean_edge_ = 0.0;
-  std::vector<Vec4> start_;
-  std::vector<Vec4> x_;
-  std::vector<EdgeState> state_;
-  std::vector<double> bend_target_;  ///< τ_e
-  std::vector<double> data_;         ///< c_v
-  std::vector<Vec3> best_;
-  double best_gcv_ = 0.0;
-  int least_ = 0;
-};
-
-std::vector<Vec3> positions_of(const std::vector<Vec4>& x) {
-  std::vector<Vec3> out(x.size());
-  for (std::size_t v = 0; v < x.size(); ++v) out[v] = x[v].head<3>();
+std::vector<Vec3> scaled(std::span<const Vec3> positions, double factor) {
+  std::vector<Vec3> out(positions.begin(), positions.end());
+  for (Vec3& p : out) p *= factor;
   return out;
 }
 
-Path::Path(const TriangleMesh& mesh, std::span<const unsigned char> held)
-    : mesh_(mesh),
-      held_(held),
-      n_(mesh.vertex_count()),
-      mean_edge_(mesh.mean_edge_length()),
-      data_(n_, 1.0) {
-  const FaceGeometry faces =
-      face_geometry(mesh, mesh.positions(), smallest_area(mesh.mean_edge_length()));
-  find_edges(faces);
-  const std::vector<Vec3> once = vertex_normals(mesh, faces);
-  normals_ = once;
-  for (std::size_t v = 0; v < n_; ++v) {
-    for (const Index w : mesh.rings()[v]) normals_[v] += once[w];
-    normals_[v].normalize();
-    if (!normals_[v].allFinite()) normals_[v].setZero();
-  }
-  find_noise();
-  Random random(20040901);
-  start_.resize(n_);
-  for (std::size_t v = 0; v < n_; ++v) start_[v] << mesh.positions()[v], random.sign();
-  x_ = start_;
-  state_.resize(edges_.size());
-  bend_target_.assign(edges_.size(), 0.0);
-}
+/// One run on one surface.
+class Run {
+ public:
+  using Observer = std::function<void(const VariationalStep&)>;
 
-void Path::find_edges(const FaceGeometry& faces) {
-  face_edges_.assign(mesh_.faces().size(), {kNoIndex, kNoIndex, kNoIndex});
-  for (const Edge& edge : mesh_.edges()) {
-    if (!edge.interior() || !faces.present(edge.face0) || !faces.present(edge.face1)) continue;
-    const auto number = static_cast<Index>(edges_.size());
-    edges_.push_back({{edge.p, edge.q, edge.opposite0, edge.opposite1}, {edge.face0, edge.face1}});
-    for (const Index face : edges_.back().faces) {
-      *std::find(face_edges_[face].begin(), face_edges_[face].end(), kNoIndex) = number;
-    }
-  }
-}
+  Run(const TriangleMesh& mesh, std::span<const unsigned char> held,
+      const VariationalOptions& options, Observer observer)
+      : mesh_(mesh),
+        held_of_vertex_(held),
+        options_(options),
+        observer_(std::move(observer)),
+        mean_edge_(mesh.mean_edge_length()),
+        team_(options.threads),
+        stencils_(mesh),
+        held_(stencils_.by_slot(held)),
+        positions_(
+            stencils_.by_slot(std::span<const Vec3>(scaled(mesh.positions(), 1.0 / mean_edge_)))),
+        normals_(stencils_.by_slot(std::span<const Vec3>(smooth_normals(mesh)))),
+        analysis_(stencils_, positions_, normals_),
+        path_(stencils_, positions_, normals_, held_,
+              {options.surface == SurfaceKind::smooth ? 8.0 * kDegree : kDegree}, team_) {}
 
-/// |((I − W)⁴ field)·N| at interior vertices.
-std::vector<double> Path::umbrella_fourth(const std::vector<Vec3>& field) const {
-  std::vector<Vec3> now = field;
-  std::vector<Vec3> next(n_);
-  for (int pass = 0; pass < 4; ++pass) {
-    for (std::size_t v = 0; v < n_; ++v) {
-      Vec3 mean = Vec3::Zero();
-      for (const Index w : mesh_.rings()[v]) mean += now[w];
-      next[v] =
-          now[v] - mean / static_cast<double>(std::max<std::size_t>(mesh_.rings()[v].size(), 1));
-    }
-    now.swap(next);
-  }
-  std::vector<double> values;
-  values.reserve(n_);
-  for (std::size_t v = 0; v < n_; ++v) {
-    if (!mesh_.boundary_vertex()[v]) values.push_back(std::abs(now[v].dot(normals_[v])));
-  }
-  return values;
-}
+  Result<VariationalResult> run(const std::stop_token& stop);
+  Result<FoundNoise> look(const std::stop_token& stop);
+  double sigma() const { return path_.noise().sigma * mean_edge_; }
 
-/// σ: how much of what four differences leave is noise, by comparison with noise of size 1.
-void Path::find_noise() {
-  Random random(1);
-  std::vector<Vec3> noise(n_);
-  for (std::size_t v = 0; v < n_; ++v) noise[v] = random.normal() * normals_[v];
-  auto seen = umbrella_fourth(mesh_.positions());
-  auto known = umbrella_fourth(noise);
-  const double unit = median(known);
-  sigma_ = unit > 0.0 ? median(seen) / unit : 0.0;
-}
+ private:
+  void restart(NoiseModel noise);
+  Result<bool> step(const std::stop_token& stop);
+  Result<FoundNoise> find_kind(const std::stop_token& stop);
+  Result<double> look_twice(const std::stop_token& stop);
+  Result<bool> find_colour(int updates, const std::stop_token& stop);
+  Result<bool> walk(const std::stop_token& stop);
+  void take_least(const VariationalStep& step);
+  void take_at(double place, const VariationalStep& step);
+  void try_low_passes();
+  std::vector<Vec3> positions() const;
+  bool nothing_to_do() const;
 
-std::vector<double> Path::normal_displacement() const {
-  std::vector<double> d(n_);
-  for (std::size_t v = 0; v < n_; ++v) {
-    d[v] = (x_[v] - start_[v]).head<3>().dot(normals_[v]);
-  }
-  return d;
-}
-
-/// a. The operator D_e at the surface of now.
-void Path::measure(const FaceGeometry& faces) {
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const auto [p, q, o0, o1] = edges_[e].points;
-    const auto [f0, f1] = edges_[e].faces;
-    EdgeState& state = state_[e];
-    const double a0 = faces.areas[f0];
-    const double a1 = faces.areas[f1];
-    const Vec3 along = (x_[q] - x_[p]).head<3>();
-    const double l2 = along.squaredNorm();
-    const double sum = a0 + a1;
-    if (!(sum > 0.0) || !(l2 > 0.0)) {
-      state = {};
-      continue;
-    }
-    const double t0 = (x_[o0] - x_[p]).head<3>().dot(along) / l2;
-    const double t1 = (x_[o1] - x_[p]).head<3>().dot(along) / l2;
-    const double t = (a1 * t0 + a0 * t1) / sum;
-    state.c = {t - 1.0, -t, a1 / sum, a0 / sum};
-    state.height = 2.0 * a0 * a1 / (sum * std::sqrt(l2));
-    state.normal = (faces.normals[f0] + faces.normals[f1]).normalized();
-    if (!state.normal.allFinite()) state.normal.setZero();
-  }
-}
-
-/// D_e of a field.
-Vec4 sag(const InnerEdge& edge, const EdgeState& state, const std::vector<Vec4>& x) {
-  return state.c[0] * x[edge.points[0]] + state.c[1] * x[edge.points[1]] +
-         state.c[2] * x[edge.points[2]] + state.c[3] * x[edge.points[3]];
-}
-
-/// b. Weights on what the target does not explain. Returns λ at the median height.
-double Path::weigh(const FaceGeometry& faces) {
-  std::vector<double> residual(edges_.size());
-  std::vector<double> heights;
-  heights.reserve(edges_.size());
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const Vec3& n0 = faces.normals[edges_[e].faces[0]];
-    const Vec3& n1 = faces.normals[edges_[e].faces[1]];
-    const double half = std::min((n0 - n1).norm() / 2.0, 1.0);
-    const Vec3 s = sag(edges_[e], state_[e], x_).head<3>();
-    const double bend = std::copysign(2.0 * std::asin(half), s.dot(n0 + n1));
-    residual[e] = std::abs(bend - bend_target_[e]);
-    heights.push_back(state_[e].height);
-  }
-  std::vector<double> ordered = residual;
-  const double b = median(ordered) / kGaussian;
-  const double middle = median(heights);
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const double ratio = state_[e].height > 0.0 ? middle / state_[e].height : 16.0;
-    const double s = std::clamp(ratio, 0.25, 16.0);
-    const double lambda = std::clamp(kBendDeviations * b * s, 1.0 * kDegree,
-                                     90.0 * kDegree * std::clamp(s, 1.0, 2.0));
-    state_[e].weight = edge_weight(residual[e], lambda, kTransition);
-  }
-  return kBendDeviations * b;
-}
-
-/// F_f ← (F_f + Σ w_e F_g) / 4 over the three neighbours, `passes` times: features are barriers.
-template <class Field>
-void Path::diffuse(std::vector<Field>& field, int passes) const {
-  std::vector<Field> next(field.size());
-  for (int pass = 0; pass < passes; ++pass) {
-    for (std::size_t f = 0; f < field.size(); ++f) {
-      Field sum = field[f];
-      for (const Index e : face_edges_[f]) {
-        if (e == kNoIndex) continue;
-        const auto [f0, f1] = edges_[e].faces;
-        sum += state_[e].weight * field[f0 == f ? f1 : f0];
-      }
-      next[f] = sum * 0.25;
-    }
-    field.swap(next);
-  }
-}
-
-/// Of the surface, of the probe, and the areas that both are shares of.
-struct FaceShape {
-  Sym surface = Sym::Zero();
-  Sym probe = Sym::Zero();
-  double area = 0.0;
-
-  FaceShape& operator+=(const FaceShape& other) {
-    surface += other.surface;
-    probe += other.probe;
-    area += other.area;
-    return *this;
-  }
-  friend FaceShape operator*(double s, const FaceShape& a) {
-    return {a.surface * s, a.probe * s, a.area * s};
-  }
-  FaceShape operator*(double s) const { return s * *this; }
+  const TriangleMesh& mesh_;
+  const std::span<const unsigned char> held_of_vertex_;
+  const VariationalOptions& options_;
+  const Observer observer_;
+  const double mean_edge_;
+  ThreadTeam team_;
+  const EdgeStencils stencils_;
+  const std::vector<unsigned char> held_;
+  const std::vector<Vec3> positions_, normals_;
+  const NoiseAnalysis analysis_;
+  VariationalPath path_;
+  double evenness_ = 1.0;
+  double unevenness_ = 0.0;
+  std::vector<Vec4> best_;
+  Outcome best_outcome_;
+  double least_ = std::numeric_limits<double>::infinity();
+  int least_step_ = 0;  // of those that count for the end
+  double least_late_ = std::numeric_limits<double>::infinity();
+  VariationalReport report_;
 };
 
-/// A value and how much of it there is.
-struct Share {
-  double value = 0.0;
-  double weight = 0.0;
-
-  Share& operator+=(const Share& other) {
-    value += other.value;
-    weight += other.weight;
-    return *this;
-  }
-  friend Share operator*(double s, const Share& a) { return {a.value * s, a.weight * s}; }
-  Share operator*(double s) const { return s * *this; }
-};
-
-/// c. Targets from the smoothed shape operator.
-void Path::prescribe(const FaceGeometry& faces, double mu) {
-  std::vector<FaceShape> shape(mesh_.faces().size());
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const InnerEdge& edge = edges_[e];
-    const EdgeState& state = state_[e];
-    const Vec3 along = (x_[edge.points[1]] - x_[edge.points[0]]).head<3>();
-    const double l = along.norm();
-    const Vec3 across = along.cross(state.normal).normalized();
-    if (!across.allFinite()) continue;
-    const Vec4 s = sag(edge, state, x_);
-    const double scale = state.weight * l / std::max(state.height, 0.05 * l);
-    const double area = faces.areas[edge.faces[0]] + faces.areas[edge.faces[1]];
-    const FaceShape part{outer(across, scale * s.head<3>().dot(state.normal)),
-                         outer(across, scale * s[3]), state.weight * area / 3.0};
-    for (const Index face : edge.faces) shape[face] += part;
-  }
-  diffuse(shape, static_cast<int>(std::clamp(std::round(5.0 * std::pow(mu, 0.3)), 2.0, 60.0)));
-  std::vector<double> q(edges_.size());
-  double qz = 0.0;
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const InnerEdge& edge = edges_[e];
-    EdgeState& state = state_[e];
-    FaceShape both = shape[edge.faces[0]];
-    both += shape[edge.faces[1]];
-    state.target.setZero();
-    if (!(both.area > 0.0)) continue;
-    const Sym surface = both.surface / both.area;
-    const Sym probe = both.probe / both.area;
-    const Vec3 middle = (x_[edge.points[0]] + x_[edge.points[1]]).head<3>() / 2.0;
-    double of_surface = 0.0;
-    double of_probe = 0.0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Vec3 y = x_[edge.points[k]].head<3>() - middle;
-      of_surface += state.c[k] * quadratic(surface, y);
-      of_probe += state.c[k] * quadratic(probe, y);
-    }
-    state.target << state.normal * (0.5 * of_surface), 0.5 * of_probe;
-    const double h4 = std::pow(state.height, 4);
-    q[e] = h4 * squared_norm(surface);
-    qz += h4 * squared_norm(probe);
-  }
-  shrink(q, sigma_ * sigma_ * qz / static_cast<double>(edges_.size()));
+bool Run::nothing_to_do() const {
+  return stencils_.stencils().empty() || !(path_.noise().sigma > kNoNoise) ||
+         !std::isfinite(path_.noise().sigma) || std::count(held_.begin(), held_.end(), 0) == 0;
 }
 
-/// η_e: curvature that noise alone would show as often is none.
-void Path::shrink(const std::vector<double>& q, double qz) {
-  std::vector<Share> field(mesh_.faces().size());
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const Share part{std::min(q[e], kShrinkageCap * qz), 1.0};
-    for (const Index face : edges_[e].faces) field[face] += part;
-  }
-  diffuse(field, kShrinkagePasses);
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const InnerEdge& edge = edges_[e];
-    Share both = field[edge.faces[0]];
-    both += field[edge.faces[1]];
-    const double mean = both.weight > 0.0 ? both.value / both.weight : 0.0;
-    EdgeState& state = state_[e];
-    state.target *= mean > 0.0 ? std::max(0.0, 1.0 - kShrinkage * qz / mean) : 0.0;
-    const double bend =
-        state.height > 0.0 ? state.target.head<3>().dot(state.normal) / state.height : 0.0;
-    bend_target_[e] = std::clamp(bend, -1.0, 1.0);
-  }
+/// Begins a path anew.
+void Run::restart(NoiseModel noise) {
+  path_.restart(std::move(noise));
+  report_ = {};
+  best_ = path_.start();
+  least_ = least_late_ = std::numeric_limits<double>::infinity();
+  least_step_ = 0;
 }
 
-/// out = (C + μ DᵀWD + (α/4) EᵀE) x.
-void Path::apply(const std::vector<Vec4>& x, std::vector<Vec4>& out, double mu,
-                 double alpha) const {
-  for (std::size_t v = 0; v < n_; ++v) out[v] = data_[v] * x[v];
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const InnerEdge& edge = edges_[e];
-    const EdgeState& state = state_[e];
-    const auto [p, q, o0, o1] = edge.points;
-    const Vec4 bend = (mu * state.weight) * sag(edge, state, x);
-    const Vec4 fair = (0.25 * alpha) * (x[p] + x[q] - x[o0] - x[o1]);
-    out[p] += state.c[0] * bend + fair;
-    out[q] += state.c[1] * bend + fair;
-    out[o0] += state.c[2] * bend - fair;
-    out[o1] += state.c[3] * bend - fair;
+/// The next iterate of the path.
+Result<bool> Run::step(const std::stop_token& stop) {
+  if (stop.stop_requested()) {
+    return Error{ErrorCode::canceled, "The run was canceled between two iterates."};
   }
-  for (std::size_t v = 0; v < n_; ++v) {
-    if (held_[v]) out[v].head<3>().setZero();
+  const int number = static_cast<int>(report_.path.size()) + 1;
+  const Outcome outcome = path_.iterate(number);
+  if (!outcome.finite) {
+    return Error{ErrorCode::diverged,
+                 "The variational method diverged at iterate " + std::to_string(number) +
+                     ": a position is not a finite number. Use one of the flows."};
   }
-}
-
-/// d. Preconditioned conjugate gradients for four right-hand sides, each with its own numbers.
-int Path::solve(double mu) {
-  const double relative = sigma_ / mean_edge_;
-  const double alpha = std::min(2.0, 10.0 * relative * relative) * std::min(1.0, 0.5 / mu);
-  std::vector<Vec4> r(n_);
-  std::vector<double> diagonal = data_;
-  for (std::size_t v = 0; v < n_; ++v) r[v] = data_[v] * start_[v];
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const EdgeState& state = state_[e];
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Index v = edges_[e].points[k];
-      r[v] += (mu * state.weight * state.c[k]) * state.target;
-      diagonal[v] += mu * state.weight * state.c[k] * state.c[k] + 0.25 * alpha;
-    }
-  }
-  std::vector<Vec4> a(n_);
-  apply(x_, a, mu, alpha);
-  Vec4 rho = Vec4::Zero();
-  std::vector<Vec4> direction(n_);
-  for (std::size_t v = 0; v < n_; ++v) {
-    r[v] -= a[v];
-    if (held_[v]) r[v].head<3>().setZero();
-    direction[v] = r[v] / diagonal[v];
-    rho += r[v].cwiseProduct(direction[v]);
-  }
-  const double n = static_cast<double>(n_);
-  const double small = kSolverTolerance * n;
-  int iteration = 0;
-  const auto enough = [&] {
-    return rho.head<3>().sum() <= small * sigma_ * sigma_ && rho[3] <= small;
-  };
-  for (; iteration < kSolverIterations && !enough(); ++iteration) {
-    apply(direction, a, mu, alpha);
-    Vec4 curvature = Vec4::Zero();
-    for (std::size_t v = 0; v < n_; ++v) curvature += direction[v].cwiseProduct(a[v]);
-    Vec4 length = Vec4::Zero();
-    for (int k = 0; k < 4; ++k) length[k] = curvature[k] > 0.0 ? rho[k] / curvature[k] : 0.0;
-    Vec4 next = Vec4::Zero();
-    for (std::size_t v = 0; v < n_; ++v) {
-      x_[v] += length.cwiseProduct(direction[v]);
-      r[v] -= length.cwiseProduct(a[v]);
-      next += r[v].cwiseAbs2() / diagonal[v];
-    }
-    Vec4 beta = Vec4::Zero();
-    for (int k = 0; k < 4; ++k) beta[k] = rho[k] > 0.0 ? next[k] / rho[k] : 0.0;
-    for (std::size_t v = 0; v < n_; ++v) {
-      direction[v] = r[v] / diagonal[v] + beta.cwiseProduct(direction[v]);
-    }
-    rho = next;
-  }
-  return iteration;
-}
-
-VariationalStep Path::iterate(int number) {
   VariationalStep step;
   step.step = number;
-  step.mu = std::ldexp(1.0, number - 1 + kFirstPower);
-  const FaceGeometry faces = face_geometry(mesh_, positions_of(x_), smallest_area(mean_edge_));
-  measure(faces);
-  step.lambda = weigh(faces);
-  prescribe(faces, step.mu);
-  step.solver_iterations = solve(step.mu);
-  // e. How much freedom is left, and how far the surface went.
-  double f = 0.0;
-  double rho = 0.0;
-  const std::vector<double> d = normal_displacement();
-  for (std::size_t v = 0; v < n_; ++v) {
-    f += start_[v][3] * x_[v][3];
-    rho += d[v] * d[v];
-    const double far = d[v] / (3.0 * sigma_);
-    data_[v] = 1.0 / (1.0 + far * far);
+  step.mu = outcome.mu;
+  step.lambda = outcome.lambda;
+  step.degrees_of_freedom = outcome.freedom;
+  step.gcv = cross_validation(outcome, penalised(outcome.freedom));
+  step.displacement = outcome.rms;
+  step.solver_iterations = outcome.solver_iterations;
+  report_.path.push_back(step);
+  if (options_.strength) {
+    take_at(*options_.strength * kMost, step);
+  } else {
+    take_least(step);
   }
-  f /= static_cast<double>(n_);
-  rho /= static_cast<double>(n_);
-  const double penalty = f + 0.25 * f * (1.0 - f) + 0.5 * std::min(f, 0.05) * (1.0 - f);
-  step.degrees_of_freedom = f;
-  step.gcv = rho / ((1.0 - penalty) * (1.0 - penalty));
-  return step;
+  if (observer_) observer_(step);
+  return true;
 }
 
-bool Path::take_if_best(const VariationalStep& step) {
-  const bool counts = step.step > kEarliestLeast;
-  if (best_.empty() || step.gcv < best_gcv_) {
-    best_gcv_ = step.gcv;
-    best_ = positions_of(x_);
-    if (counts) least_ = step.step - 1;
-    return true;
+/// The first iterates; returns how much more alike neighbours are than in the probe.
+Result<double> Run::look_twice(const std::stop_token& stop) {
+  for (int number = 1; number <= kCorrelationStep; ++number) {
+    const Result<bool> done = step(stop);
+    if (!done) return done.error();
+    if (number != kEvennessStep) continue;
+    const NoiseResidue left = path_.residue();
+    evenness_ = analysis_.evenness(left);
+    unevenness_ = analysis_.unevenness(left);
   }
-  return false;
+  return analysis_.correlation(path_.residue());
 }
 
-bool Path::is_finite() const {
-  return std::all_of(x_.begin(), x_.end(), [](const Vec4& x) { return x.allFinite(); });
+Result<bool> Run::find_colour(int updates, const std::stop_token& stop) {
+  NoiseAnalysis::Bands colour{1.0, 1.0, 1.0, 1.0, 1.0};
+  for (int update = 0; update < updates; ++update) {
+    restart(analysis_.coloured(colour, path_.noise().scale));
+    for (int number = 1; number <= kColourStep; ++number) {
+      const Result<bool> done = step(stop);
+      if (!done) return done.error();
+    }
+    colour = analysis_.better_colour(colour, path_.residue(), path_.noise().scale);
+  }
+  restart(analysis_.coloured(colour, path_.noise().scale));
+  return true;
 }
 
-VariationalResult Path::take() && {
+/// What the noise is; leaves a path for noise of that kind, begun or at its start.
+Result<FoundNoise> Run::find_kind(const std::stop_token& stop) {
+  restart(analysis_.white());
+  if (nothing_to_do()) return FoundNoise::none;
+  Result<double> correlation = look_twice(stop);
+  if (!correlation) return correlation.error();
+  const double sigma = path_.noise().sigma;
+  if (sigma<kLittleNoise&& * correlation> kDetailCorrelation && !options_.strength &&
+      options_.noise != NoiseKind::correlated) {
+    return FoundNoise::none;
+  }
+  if (options_.noise == NoiseKind::white) return FoundNoise::white;
+  const bool uneven = unevenness_ > kUneven;
+  if (uneven) {
+    std::vector<double> scale = analysis_.local_scale(path_.residue());
+    restart(analysis_.coloured({1.0, 1.0, 1.0, 1.0, 1.0}, std::move(scale)));
+    correlation = look_twice(stop);
+    if (!correlation) return correlation.error();
+  }
+  const bool plain = *correlation > kNoiseCorrelation && (uneven || evenness_ > kLeastEvenness);
+  const bool faint = uneven && *correlation > kScannerCorrelation;
+  const bool found = path_.noise().sigma > kLittleNoise && (plain || faint);
+  if (!found && options_.noise != NoiseKind::correlated) return FoundNoise::white;
+  const bool weak = !plain && options_.noise != NoiseKind::correlated;
+  const Result<bool> done = find_colour(weak ? 1 : kColourUpdates, stop);
+  if (!done) return done.error();
+  return FoundNoise::correlated;
+}
+
+void Run::take_least(const VariationalStep& step) {
+  if (step.step >= kEarliestLeast && step.gcv < least_late_) {
+    least_late_ = step.gcv;
+    least_step_ = step.step;
+  }
+  if (!(step.gcv < least_)) return;
+  least_ = step.gcv;
+  best_ = path_.x();
+  best_outcome_ = path_.judge(best_);
+  report_.chosen = step.step;
+}
+
+/// Keeps what is at `place` between two iterates, where step is the later one.
+void Run::take_at(double place, const VariationalStep& step) {
+  const double share = place - (step.step - 1);
+  if (share <= 0.0) return;
+  for (std::size_t v = 0; v < best_.size(); ++v) {
+    best_[v] += std::min(share, 1.0) * (path_.x()[v] - best_[v]);
+  }
+  report_.chosen = step.step;
+}
+
+Result<bool> Run::walk(const std::stop_token& stop) {
+  const int most =
+      options_.strength ? static_cast<int>(std::ceil(*options_.strength * kMost)) : kMost;
+  for (auto done = static_cast<int>(report_.path.size()); done < most; ++done) {
+    if (!options_.strength && done > std::max(least_step_, kEarliestLeast) + kPatience) break;
+    const Result<bool> stepped = step(stop);
+    if (!stepped) return stepped.error();
+  }
+  report_.strength = options_.strength.value_or(static_cast<double>(report_.chosen) / kMost);
+  return true;
+}
+
+/// A plain low pass is the better estimate of a surface without any edges.
+void Run::try_low_passes() {
+  double least = cross_validation(best_outcome_, best_outcome_.freedom);
+  for (LowPass& low : low_passes(stencils_, held_, path_.start(), team_)) {
+    const Outcome outcome = path_.judge(low.x);
+    const double gcv = cross_validation(outcome, outcome.freedom);
+    if (!(gcv < least)) continue;
+    least = gcv;
+    best_ = std::move(low.x);
+    report_.pass_band = low.pass_band;
+    report_.chosen = 0;
+    report_.strength = 0.0;
+  }
+}
+
+std::vector<Vec3> Run::positions() const {
+  std::vector<Vec3> out = mesh_.positions();
+  for (std::size_t slot = 0; slot < best_.size(); ++slot) {
+    if (held_[slot] == 0) {
+      out[stencils_.vertex_of_slot()[slot]] = best_[slot].head<3>() * mean_edge_;
+    }
+  }
+  return out;
+}
+
+Result<FoundNoise> Run::look(const std::stop_token& stop) {
+  return find_kind(stop);
+}
+
+Result<VariationalResult> Run::run(const std::stop_token& stop) {
   VariationalResult result;
-  if (best_.empty()) best_ = mesh_.positions();
-  result.positions = std::move(best_);
-  for (std::size_t v = 0; v < n_; ++v) {
-    if (held_[v]) result.positions[v] = mesh_.positions()[v];
+  if (options_.strength && *options_.strength <= 0.0) {
+    restart(analysis_.white());
+    result.positions = mesh_.positions();
+    result.report.noise = sigma();
+    return result;
   }
-  result.report.noise = sigma_;
+  const Result<FoundNoise> kind = find_kind(stop);
+  if (!kind) return kind.error();
+  report_.kind = *kind;
+  report_.noise = sigma();
+  if (*kind == FoundNoise::none) {
+    report_.path.clear();
+    report_.chosen = 0;
+    report_.notes.emplace_back(
+        "No noise was found, so the surface stays as it is; give a strength to smooth it all the "
+        "same.");
+    result.positions = mesh_.positions();
+    result.report = std::move(report_);
+    return result;
+  }
+  const Result<bool> done = walk(stop);
+  if (!done) return done.error();
+  if (!options_.strength && options_.surface != SurfaceKind::sharp) try_low_passes();
+  result.positions = positions();
+  mend_folds(mesh_, held_of_vertex_, result.positions);
+  result.report = std::move(report_);
   return result;
 }
 
@@ -519,36 +327,18 @@ Result<VariationalResult> denoise_variational(
     const TriangleMesh& mesh, std::span<const unsigned char> held,
     const VariationalOptions& options, const std::function<void(const VariationalStep&)>& observer,
     std::stop_token stop) {
-  Path path(mesh, held);
-  const int most = options.strength ? static_cast<int>(std::ceil(*options.strength * kMostIterates))
-                                    : kMostIterates;
-  std::vector<VariationalStep> steps;
-  int chosen = 0;
-  for (int number = 1; number <= most && !path.has_nothing(); ++number) {
-    if (stop.stop_requested()) {
-      return Error{ErrorCode::canceled, "The run was canceled between two iterates."};
-    }
-    steps.push_back(path.iterate(number));
-    if (!path.is_finite()) {
-      return Error{ErrorCode::diverged,
-                   "The variational method diverged at iterate " + std::to_string(number) + "."};
-    }
-    if (path.take_if_best(steps.back())) chosen = number;
-    steps.back().gcv /= mesh.mean_edge_length() * mesh.mean_edge_length();
-    if (observer) observer(steps.back());
-    if (path.is_over(number)) break;
-  }
-  VariationalResult result = std::move(path).take();
-  result.report.chosen = chosen;
-  result.report.strength = static_cast<double>(chosen) / kMostIterates;
-  result.report.path = std::move(steps);
-  return result;
+  return Run(mesh, held, options, observer).run(stop);
 }
 
-VariationalReport find_variational_noise(const TriangleMesh& mesh, unsigned /*threads*/) {
+VariationalReport find_variational_noise(const TriangleMesh& mesh, unsigned threads) {
   const std::vector<unsigned char> held(mesh.vertex_count());
-  VariationalReport report = Path(mesh, held).take().report;
-  if (!(report.noise > 0.0)) report.kind = FoundNoise::none;
+  VariationalOptions options;
+  options.threads = threads;
+  Run run(mesh, held, options, {});
+  VariationalReport report;
+  const Result<FoundNoise> kind = run.look({});
+  report.kind = kind ? *kind : FoundNoise::none;
+  report.noise = run.sigma();
   return report;
 }
 

@@ -53,9 +53,11 @@ Result<Denoised> run_variational(const TriangleMesh& surface, const FlowOptions&
   Denoised out;
   FlowReport& report = out.report;
   report.mean_edge_length = mean_edge;
+  int told_of = 0;  // a path that begins anew for another kind of noise is no step back
   const auto observe = [&](const VariationalStep& step) {
-    report.steps.push_back(told(step, mean_edge));
-    if (observer) observer(report.steps.back());
+    if (step.step <= told_of) return;
+    told_of = step.step;
+    if (observer) observer(told(step, mean_edge));
   };
   const std::vector<unsigned char> held = held_vertices(surface, options);
   const bool moves = std::count(held.begin(), held.end(), 0) > 0;
@@ -64,6 +66,9 @@ Result<Denoised> run_variational(const TriangleMesh& surface, const FlowOptions&
   Result<VariationalResult> result = denoise_variational(surface, held, choices, observe, stop);
   if (!result) return result.error();
   out.positions = std::move(result->positions);
+  for (const VariationalStep& step : result->report.path) {
+    report.steps.push_back(told(step, mean_edge));
+  }
   report.noise = result->report.noise / mean_edge;
   report.noise_kind = result->report.kind;
   report.chosen_step = result->report.chosen;
