@@ -61,28 +61,33 @@ void EdgeTargets::average(std::vector<Field>& field, std::vector<Field>& next, i
   }
 }
 
+/// t and what it is multiplied by.
+void EdgeTargets::turn(std::size_t stencil, std::span<const Vec4> x, std::span<const float> areas,
+                       EdgeState& state) const {
+  const EdgeStencil& s = mesh_.stencils()[stencil];
+  const Eigen::Vector3f along = (x[s.points[1]] - x[s.points[0]]).head<3>().cast<float>();
+  const Eigen::Vector3f across = along.cross(state.normal.head<3>().matrix());
+  const float length = along.norm();
+  const float size = across.norm();
+  state.across.setZero();
+  state.per_sag = 0.0F;
+  if (!(size > 0.0F)) return;
+  state.across.head<3>() = across.array() / size;
+  state.across[3] = state.weight * (areas[s.faces[0]] + areas[s.faces[1]]) / 3.0F;
+  state.per_sag = state.weight * length / std::max(state.height, kLeastHeight * length);
+}
+
 /// Σ w_e (l s_e / h_e) t tᵗ and Σ w_e (a0 + a1) / 3 over the three edges.
-EdgeTargets::Shape EdgeTargets::shape_of_face(std::size_t face, std::span<const Vec4> x,
-                                              std::span<const float> areas,
+EdgeTargets::Shape EdgeTargets::shape_of_face(std::size_t face,
                                               std::span<const EdgeState> states) const {
   Shape shape = Shape::Zero();
   for (const Index s : mesh_.stencils_of_face()[face]) {
     if (s == kNoIndex) continue;
-    const EdgeStencil& stencil = mesh_.stencils()[s];
     const EdgeState& state = states[s];
-    const Eigen::Vector3f along =
-        (x[stencil.points[1]] - x[stencil.points[0]]).head<3>().cast<float>();
-    const Eigen::Vector3f normal = state.normal.head<3>().matrix();
-    const float length = along.norm();
-    const Eigen::Vector3f across = along.cross(normal);
-    const float size = across.norm();
-    if (!(size > 0.0F)) continue;
-    const Four d = sag(stencil, state, x);
-    const float scale = state.weight * length / std::max(state.height, kLeastHeight * length);
-    const Sym tensor = products(across / size);
-    shape.head<8>() += scale * dot3(d, state.normal) * tensor;
-    shape.tail<8>() += scale * d[3] * tensor;
-    shape[3] += state.weight * (areas[stencil.faces[0]] + areas[stencil.faces[1]]) / 3.0F;
+    const Sym tensor = products(state.across.head<3>().matrix());
+    shape.head<8>() += state.per_sag * dot3(state.sag, state.normal) * tensor;
+    shape.tail<8>() += state.per_sag * state.sag[3] * tensor;
+    shape[3] += state.across[3];
   }
   return shape;
 }
@@ -98,16 +103,16 @@ double EdgeTargets::aim(std::size_t stencil, std::span<const Vec4> x, EdgeState&
   Sym surface = both.head<8>() * share;
   surface[3] = 0.0F;
   const Sym probe = both.tail<8>() * share;
-  const Vec4 middle = 0.5 * (x[s.points[0]] + x[s.points[1]]);
-  float of_surface = 0.0F;
-  float of_probe = 0.0F;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const Sym y = products((x[s.points[k]] - middle).head<3>().cast<float>());
-    of_surface += state.c[k] * quadratic(surface, y);
-    of_probe += state.c[k] * quadratic(probe, y);
-  }
-  state.target = 0.5F * of_surface * state.normal;
-  state.target[3] = 0.5F * of_probe;
+  // Σ c_k y_k y_kᵗ about the middle of the edge, where y_p = −y_q.
+  const auto& [p, q, o0, o1] = s.points;
+  const Vec4 middle = 0.5 * (x[p] + x[q]);
+  const auto from_middle = [&](Index v) {
+    return products((x[v] - middle).head<3>().cast<float>());
+  };
+  const Sym stencil_products = (state.c[0] + state.c[1]) * from_middle(q) +
+                               state.c[2] * from_middle(o0) + state.c[3] * from_middle(o1);
+  state.target = 0.5F * quadratic(surface, stencil_products) * state.normal;
+  state.target[3] = 0.5F * quadratic(probe, stencil_products);
   const float h2 = state.height * state.height;
   state.strength = h2 * h2 * squared_norm(surface);
   return static_cast<double>(h2 * h2 * squared_norm(probe));
@@ -142,9 +147,12 @@ void EdgeTargets::shrink(double noise, std::span<EdgeState> states) {
 
 void EdgeTargets::prescribe(std::span<const Vec4> x, std::span<const float> areas, int passes,
                             double sigma, std::span<EdgeState> states) {
+  team_.for_ranges(states.size(), kRange, [&](std::size_t first, std::size_t last) {
+    for (std::size_t s = first; s < last; ++s) turn(s, x, areas, states[s]);
+  });
   team_.for_ranges(shapes_.size(), kRange, [&](std::size_t first, std::size_t last) {
     for (std::size_t f = first; f < last; ++f) {
-      shapes_[f] = shape_of_face(f, x, areas, states);
+      shapes_[f] = shape_of_face(f, states);
       weights_[f].setZero();
       for (std::size_t k = 0; k < 3; ++k) {
         const Index s = mesh_.stencils_of_face()[f][k];

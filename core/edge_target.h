@@ -13,12 +13,15 @@ namespace fairway {
 /// Of a stencil in one iterate. Lengths are in mean edges.
 struct EdgeState {
   std::array<float, 4> c{};    ///< of D_e x = Σ c_k y_k; they add up to 0
+  Four sag = Four::Zero();     ///< D_e x
+  Four across = Four::Zero();  ///< t, and w_e (a0 + a1) / 3
   Four normal = Four::Zero();  ///< N_e and 0
   Four target = Four::Zero();  ///< δ_e N_e, and the probe's δ_e
   float height = 0.0F;         ///< h_e
   float weight = 0.0F;         ///< w_e
   float bend_target = 0.0F;    ///< τ_e, radians
   float strength = 0.0F;       ///< of the curvature prescribed: h_e⁴ |S̄_e|²
+  float per_sag = 0.0F;        ///< w_e l / h_e
 };
 
 /// D_e of a field, as differences from p: large coordinates cost no digits.
@@ -41,7 +44,7 @@ class EdgeTargets {
  public:
   EdgeTargets(const EdgeStencils& mesh, ThreadTeam& team);
 
-  /// Sets target, bend_target and strength of `states` from their other members. `areas`: of faces;
+  /// Sets all members of `states` from c, sag, normal, height and weight on. `areas`: of faces;
   /// `passes`: of averaging; `sigma`: of the noise, which the probe stands for.
   void prescribe(std::span<const Vec4> x, std::span<const float> areas, int passes, double sigma,
                  std::span<EdgeState> states);
@@ -51,8 +54,9 @@ class EdgeTargets {
   using Shape = Eigen::Array<float, 16, 1>;
   using Share = Eigen::Array2f;
 
-  Shape shape_of_face(std::size_t face, std::span<const Vec4> x, std::span<const float> areas,
-                      std::span<const EdgeState> states) const;
+  void turn(std::size_t stencil, std::span<const Vec4> x, std::span<const float> areas,
+            EdgeState& state) const;
+  Shape shape_of_face(std::size_t face, std::span<const EdgeState> states) const;
   double aim(std::size_t stencil, std::span<const Vec4> x, EdgeState& state) const;
   void shrink(double noise, std::span<EdgeState> states);
   template <class Field>

@@ -129,10 +129,12 @@ Eigen::Vector4d StencilSystem::start(std::span<const Vec4> r) {
 /// The image of the direction; returns their product.
 Eigen::Vector4d StencilSystem::search() {
   team_.for_ranges(r_.size(), kRange, [&](std::size_t first, std::size_t last) {
+    const Index* column = columns_.data() + offsets_[first];
+    const float* entry = entries_.data() + offsets_[first];
     parts_[first / kRange] = sum_blocks(first, last, [&](std::size_t v) -> Four {
       Four sum = direction_[v];
-      for (Index k = offsets_[v]; k < offsets_[v + 1]; ++k) {
-        sum += entries_[k] * direction_[columns_[k]];
+      for (const Index* end = columns_.data() + offsets_[v + 1]; column < end; ++column, ++entry) {
+        sum += *entry * direction_[*column];
       }
       image_[v] = sum;
       return sum * direction_[v];
@@ -144,11 +146,15 @@ Eigen::Vector4d StencilSystem::search() {
 /// Solution and residual; returns |r|².
 Eigen::Vector4d StencilSystem::advance(const Four& length) {
   team_.for_ranges(r_.size(), kRange, [&](std::size_t first, std::size_t last) {
-    parts_[first / kRange] = sum_blocks(first, last, [&](std::size_t v) -> Four {
-      x_[v] += length * direction_[v];
-      r_[v] -= length * image_[v];
-      return r_[v].square();
-    });
+    parts_[first / kRange] =
+        sum_blocks(first, last,
+                   [step = length, x = x_.data(), r = r_.data(), direction = direction_.data(),
+                    image = image_.data()](std::size_t v) -> Four {
+                     x[v] += step * direction[v];
+                     const Four left = r[v] - step * image[v];
+                     r[v] = left;
+                     return left.square();
+                   });
   });
   return total(parts_);
 }

@@ -111,7 +111,8 @@ void VariationalPath::measure_stencil(std::size_t number) {
   const float length = norm3(between);
   state.normal = length > 0.0F ? Four(between / length) : Four(Four::Zero());
   const float half = std::min(norm3(n0 - n1) / 2.0F, 1.0F);
-  const float bend = std::copysign(2.0F * std::asin(half), dot3(sag(stencil, state, x_), between));
+  state.sag = sag(stencil, state, x_);
+  const float bend = std::copysign(2.0F * std::asin(half), dot3(state.sag, between));
   residual_bends_[number] = std::abs(bend - state.bend_target);
 }
 
@@ -152,7 +153,7 @@ int VariationalPath::solve(double mu) {
     const EdgeState& state = states_[s];
     const auto& [p, q, o0, o1] = stencil.points;
     const float weight = static_cast<float>(mu) * state.weight;
-    const Vec4 bend = (weight * (sag(stencil, state, x_) - state.target)).matrix().cast<double>();
+    const Vec4 bend = (weight * (state.sag - state.target)).matrix().cast<double>();
     const Vec4 uneven = 0.25 * alpha * ((x_[p] - x_[o0]) + (x_[q] - x_[o1]));
     residual_[p] -= static_cast<double>(state.c[0]) * bend + uneven;
     residual_[q] -= static_cast<double>(state.c[1]) * bend + uneven;
