@@ -14,6 +14,8 @@ constexpr int kShrinkagePasses = 20;
 constexpr double kShrinkageCap = 300.0;
 constexpr double kShrinkage = 3.0;
 constexpr float kLeastHeight = 0.05F;  // of the edge's length
+// Averages divide by four what barriers keep from its neighbours: below this, digits are lost.
+constexpr float kLeastShare = 1e-30F;
 
 using Sym = Eigen::Array<float, 8, 1>;  // xx, yy, zz, –, xy, xz, yz, –
 
@@ -98,7 +100,7 @@ double EdgeTargets::aim(std::size_t stencil, std::span<const Vec4> x, EdgeState&
   state.target.setZero();
   state.strength = 0.0F;
   const Shape both = shapes_[s.faces[0]] + shapes_[s.faces[1]];
-  if (!(both[3] > 0.0F)) return 0.0;
+  if (!(both[3] > kLeastShare)) return 0.0;
   const float share = 1.0F / both[3];
   Sym surface = both.head<8>() * share;
   surface[3] = 0.0F;

@@ -8,8 +8,10 @@
 #include <numbers>
 #include <utility>
 
+#include "core/edge_geometry.h"
 #include "core/edge_stencils.h"
 #include "core/fold_guard.h"
+#include "core/guards.h"
 #include "core/low_pass.h"
 #include "core/noise_model.h"
 #include "core/surface_geometry.h"
@@ -23,11 +25,14 @@ using Outcome = VariationalPath::Outcome;
 
 constexpr int kMost = kMostVariationalSteps;
 constexpr int kEarliestLeast = 6;  // the least GCV is looked for from this iterate on
-constexpr int kPatience = 6;
+constexpr int kPatience = 3;
 constexpr int kEvennessStep = 5;
 constexpr int kCorrelationStep = 7;
 constexpr int kColourStep = 11;
 constexpr double kNoNoise = 1e-9;  // of a mean edge
+// Below this noise by the bend of edges, or this roughness of the curvature, there is none.
+constexpr double kNoBend = 0.001;
+constexpr double kSmooth = 0.25;
 // Below this much noise, what neighbours have in common is detail.
 constexpr double kLittleNoise = 0.05;
 constexpr double kDetailCorrelation = 0.2;
@@ -65,6 +70,15 @@ std::vector<Vec3> scaled(std::span<const Vec3> positions, double factor) {
   std::vector<Vec3> out(positions.begin(), positions.end());
   for (Vec3& p : out) p *= factor;
   return out;
+}
+
+/// Smooth curvature, however strong, is not noise.
+bool is_smooth(const TriangleMesh& mesh) {
+  const double mean_edge = mesh.mean_edge_length();
+  const FaceGeometry faces = face_geometry(mesh, mesh.positions(), smallest_area(mean_edge));
+  const EdgeCurvature edges = edge_mean_curvature(mesh, mesh.positions(), faces);
+  return noise_estimate(robust_bend(mesh, edges)) < kNoBend ||
+         curvature_roughness(mesh, mesh.positions(), faces, edges) < kSmooth;
 }
 
 /// One run on one surface.
@@ -202,6 +216,9 @@ Result<bool> Run::find_colour(int updates, const std::stop_token& stop) {
 Result<FoundNoise> Run::find_kind(const std::stop_token& stop) {
   restart(analysis_.white());
   if (nothing_to_do()) return FoundNoise::none;
+  if (!options_.strength && options_.noise != NoiseKind::correlated && is_smooth(mesh_)) {
+    return FoundNoise::none;
+  }
   Result<double> correlation = look_twice(stop);
   if (!correlation) return correlation.error();
   const double sigma = path_.noise().sigma;

@@ -46,6 +46,7 @@ TEST_CASE("the kernels take the same vertices for features as the plain operator
   const double mean_edge = mean_edge_length(mesh, mesh.positions());
   const double lambda = lambda_of_feature_angle(GENERATE(25.0, 45.0), mean_edge);
   FlowOptions options;
+  options.method = Method::anisotropic_prescribed;
   options.guards.min_component = GENERATE(0, 3, 12);
   const Flags held(mesh.vertex_count());
   const Flags plain =
@@ -93,6 +94,7 @@ TEST_CASE("without a step the features are those of the surface as it is") {
     options.method = Method::none;
   }
   SECTION("zero steps") {
+    options.method = Method::anisotropic_prescribed;
     options.steps = 0;
   }
   SECTION("zero steps of an isotropic flow") {
