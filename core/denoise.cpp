@@ -19,9 +19,11 @@ Result<Denoised> denoise(const TriangleMesh& surface, const FlowOptions& options
                                                     " is not among the " + std::to_string(sources) +
                                                     " of the source; count from 0."};
   }
-  return options.method == Method::variational
-             ? run_variational(surface, options, observer, stop, execution)
-             : run_flow(surface, options, observer, stop, execution);
+  Result<Denoised> done = options.method == Method::variational
+                              ? run_variational(surface, options, observer, stop, execution)
+                              : run_flow(surface, options, observer, stop, execution);
+  if (done) done->report.method = options.method;
+  return done;
 }
 
 NoiseFinding find_noise(const TriangleMesh& surface, const Execution& execution) {

@@ -36,6 +36,7 @@ enum class FoundNoise { none, white, correlated };
 
 /// What a run found, chose and did.
 struct FlowReport {
+  Method method = Method::none;
   double mean_edge_length = 0.0;  ///< L, length, after unfolding
   double noise = 0.0;             ///< σ̂ / L at the start, after unfolding
   double step_size = 0.0;         ///< τ as used

@@ -8,12 +8,23 @@
 namespace fairway {
 namespace {
 
-constexpr std::array<Named<Method>, 5> kMethods = {{
+constexpr std::array<Named<Method>, 6> kMethods = {{
+    {"variational", Method::variational},
     {"anisotropic_prescribed", Method::anisotropic_prescribed},
     {"anisotropic", Method::anisotropic},
     {"prescribed", Method::prescribed},
     {"mean_curvature", Method::mean_curvature},
     {"none", Method::none},
+}};
+constexpr std::array<Named<NoiseKind>, 3> kNoises = {{
+    {"auto", NoiseKind::automatic},
+    {"white", NoiseKind::white},
+    {"correlated", NoiseKind::correlated},
+}};
+constexpr std::array<Named<SurfaceKind>, 3> kSurfaces = {{
+    {"auto", SurfaceKind::automatic},
+    {"sharp", SurfaceKind::sharp},
+    {"smooth", SurfaceKind::smooth},
 }};
 constexpr std::array<Named<Integration>, 2> kIntegrations = {{
     {"explicit", Integration::explicit_euler},
@@ -36,6 +47,25 @@ constexpr std::array<Named<Conventions>, 2> kConventions = {{
     {"recommended", Conventions::recommended},
     {"paper", Conventions::paper},
 }};
+
+/// Of the variational method only.
+constexpr auto kVariationalKeys = std::to_array<const char*>({"strength", "noise", "surface"});
+/// Of the flows only.
+constexpr auto kFlowKeys =
+    std::to_array<const char*>({"integration", "mass", "curvature_measure", "steps", "step_size",
+                                "transition", "curvature_smoothing", "conventions", "guards"});
+/// Of the flows, and for the vertices that `features` marks of every method.
+constexpr auto kThresholdKeys = std::to_array<const char*>({"feature_angle", "lambda"});
+constexpr const char* kFlowOfKeys = "anisotropic_prescribed";
+
+/// The first of the keys that has a value other than "auto".
+const char* first_of(std::span<const char* const> keys, const Json& document) {
+  const auto stated = std::find_if(keys.begin(), keys.end(), [&](const char* key) {
+    const auto found = document.find(key);
+    return found != document.end() && *found != "auto";
+  });
+  return stated == keys.end() ? nullptr : *stated;
+}
 
 CurvatureSmoothing read_smoothing(ObjectReader& parent) {
   CurvatureSmoothing smoothing;
@@ -69,9 +99,48 @@ std::string_view name_in(const std::array<Named<T>, N>& names, T value) {
 
 }  // namespace
 
+void choose_method(Json& document) {
+  if (document.contains("method")) return;
+  if (first_of(kFlowKeys, document) == nullptr && first_of(kThresholdKeys, document) == nullptr) {
+    return;
+  }
+  document["method"] = kFlowOfKeys;
+}
+
+bool states_flow(const Json& document) {
+  const auto method = document.find("method");
+  return method != document.end() && *method != "variational";
+}
+
+void drop_variational(Json& values) {
+  for (const char* key : kVariationalKeys) values.erase(key);
+}
+
+std::optional<Error> refuse_foreign(const Json& document) {
+  if (states_flow(document)) {
+    const char* key = first_of(kVariationalKeys, document);
+    if (key == nullptr) return std::nullopt;
+    return Error{ErrorCode::invalid_parameters,
+                 std::string(key) +
+                     " belongs to the variational method; leave it out, or leave "
+                     "out \"method\" and what belongs to the flows.",
+                 std::string("/") + key};
+  }
+  const char* key = first_of(kFlowKeys, document);
+  if (key == nullptr) return std::nullopt;
+  return Error{ErrorCode::invalid_parameters,
+               std::string(key) +
+                   " belongs to the flows; leave it out, or state one of them, such "
+                   "as \"method\": \"anisotropic_prescribed\".",
+               std::string("/") + key};
+}
+
 FlowOptions read_flow(ObjectReader& reader) {
   FlowOptions flow;
   reader.choice("method", std::span<const Named<Method>>(kMethods), flow.method);
+  reader.number_or_auto("strength", {0.0, 1.0}, flow.strength);
+  reader.choice("noise", std::span<const Named<NoiseKind>>(kNoises), flow.noise);
+  reader.choice("surface", std::span<const Named<SurfaceKind>>(kSurfaces), flow.surface);
   reader.choice("integration", std::span<const Named<Integration>>(kIntegrations),
                 flow.integration);
   reader.choice_or_auto("mass", std::span<const Named<Mass>>(kMasses), flow.mass);
@@ -91,26 +160,34 @@ FlowOptions read_flow(ObjectReader& reader) {
 }
 
 void add_flow(const FlowOptions& flow, Json& document) {
-  const Json first = {{"method", name_in(kMethods, flow.method)},
-                      {"integration", name_in(kIntegrations, flow.integration)},
-                      {"mass", flow.mass ? Json(name_in(kMasses, *flow.mass)) : Json("auto")},
-                      {"curvature_measure", name_in(kMeasures, flow.measure)},
-                      {"steps", or_auto(flow.steps)},
-                      {"step_size", or_auto(flow.step_size)}};
-  document.update(first);
+  document["method"] = name_in(kMethods, flow.method);
+  document["boundary"] = name_in(kBoundaries, flow.boundary);
   if (flow.lambda) {
     document["lambda"] = *flow.lambda;
   } else {
     document["feature_angle"] = or_auto(flow.feature_angle);
   }
-  document["transition"] = flow.transition;
-  document["curvature_smoothing"] = {{"passes", flow.curvature_smoothing.passes},
-                                     {"fraction", flow.curvature_smoothing.fraction}};
-  document["boundary"] = name_in(kBoundaries, flow.boundary);
-  document["conventions"] = name_in(kConventions, flow.conventions);
-  document["guards"] = {{"unfold", flow.guards.unfold},
-                        {"min_component", flow.guards.min_component},
-                        {"local_step", flow.guards.local_step}};
+  if (flow.method == Method::variational) {
+    document["strength"] = or_auto(flow.strength);
+    document["noise"] = name_in(kNoises, flow.noise);
+    document["surface"] = name_in(kSurfaces, flow.surface);
+    return;
+  }
+  const Json of_flows = {{"integration", name_in(kIntegrations, flow.integration)},
+                         {"mass", flow.mass ? Json(name_in(kMasses, *flow.mass)) : Json("auto")},
+                         {"curvature_measure", name_in(kMeasures, flow.measure)},
+                         {"steps", or_auto(flow.steps)},
+                         {"step_size", or_auto(flow.step_size)},
+                         {"transition", flow.transition},
+                         {"curvature_smoothing",
+                          {{"passes", flow.curvature_smoothing.passes},
+                           {"fraction", flow.curvature_smoothing.fraction}}},
+                         {"conventions", name_in(kConventions, flow.conventions)},
+                         {"guards",
+                          {{"unfold", flow.guards.unfold},
+                           {"min_component", flow.guards.min_component},
+                           {"local_step", flow.guards.local_step}}}};
+  document.update(of_flows);
 }
 
 }  // namespace fairway

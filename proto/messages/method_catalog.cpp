@@ -11,11 +11,17 @@ namespace fairway {
 namespace {
 
 constexpr auto kMethods = std::to_array<MethodText>({
+    {Method::variational, "variational",
+     "min sum c |x - x0|^2 + mu sum w |D x - delta N|^2 for growing mu, the least by "
+     "cross-validation",
+     "Any surface with noise: parts with sharp and curved edges, scans, bodies.",
+     "By default. It finds all of its numbers from the mesh and keeps edges, corners and volume."},
     {Method::anisotropic_prescribed, "anisotropic_prescribed",
      "dp/dt = -(1/M) (H_A - f V_A), eq. (11)",
      "Sharp edges and curved creases on surfaces whose curvature is to stay: CAD parts, machined "
      "and moulded objects.",
-     "By default. It keeps volume, curved creases and corners."},
+     "Where the paper's own flow is wanted, step by step. It keeps volume, curved creases and "
+     "corners."},
     {Method::anisotropic, "anisotropic", "dp/dt = -(1/M) H_A, eqs. (7), (8)",
      "Straight creases between smooth or flat regions; natural shapes with much fine relief.",
      "Where less noise is worth a slight loss of volume, or the surface is organic."},

@@ -17,20 +17,33 @@ constexpr std::string_view kBits = "bits";
 
 constexpr auto kTexts = std::to_array<ParameterText>({
     {"preset", "", "Whose values the parameters have that are not stated; see presets."},
-    {"method", "", "The flow; see methods."},
+    {"method", "",
+     "How the surface is denoised; see methods. Where a parameter of the flows is stated and no "
+     "method, anisotropic_prescribed."},
+    {"strength", "",
+     "Variational method: how far along its path. 0 leaves the surface as it is, 1 is the end. "
+     "auto: where cross-validation says that the noise is gone and the shape is not."},
+    {"noise", "",
+     "Variational method: white, of each vertex by itself, or correlated, of neighbours alike. "
+     "auto: looks."},
+    {"surface", "",
+     "Variational method: sharp tries no low pass, smooth makes no crease below 8 degrees."},
     {"integration", "",
-     "explicit: cheap steps. semi_implicit: one linear system a step, which allows large ones."},
+     "Flows; explicit: cheap steps. semi_implicit: one linear system a step, which allows large "
+     "ones."},
     {"mass", "", "Mass matrix. auto: lumped for explicit steps, full for semi-implicit ones."},
     {"curvature_measure", "",
      "How prescribed flows find the curvature f: |H|/|V|, the projection of H on V, or the mass "
      "matrix."},
     {"steps", "steps",
-     "How many steps. auto: until the noise that was found is removed, at most 100; none where "
+     "Flows: how many steps. auto: until the noise that was found is removed, at most 100; none "
+     "where "
      "there is none."},
     {"step_size", "squared mean edge lengths", "Time step tau of one step. auto: 0.1."},
     {"feature_angle", kDegrees,
-     "Edges bent by more are features and stay sharp. auto: three deviations of the noise, from 12 "
-     "to 30, anew in every step. Not together with lambda."},
+     "Edges bent by more are features: flows keep them sharp, and features marks their ends. auto: "
+     "three deviations of the noise, from 12 to 30, anew in every step. Not together with "
+     "lambda."},
     {"lambda", kLength,
      "The same threshold as the edge curvature 2 L sin(angle / 2), L being the mean edge length. "
      "Not together with feature_angle."},

@@ -59,11 +59,13 @@ Result<Parameters> parse_parameters(std::string_view text) {
     return Error{ErrorCode::invalid_parameters,
                  "The parameter document must be a JSON object, for example {}."};
   }
+  choose_method(*json);
   fill_from_preset(*json);
   ObjectReader reader(*json, "");
   Parameters parameters = read_parameters(reader);
   reader.refuse_unknown_keys();
   if (reader.error()) return *reader.error();
+  if (std::optional<Error> foreign = refuse_foreign(*json)) return *std::move(foreign);
   return parameters;
 }
 

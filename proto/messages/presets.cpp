@@ -1,11 +1,12 @@
-// Values for kinds of meshes. Those of cad, organic and scan were chosen by the error of the face
-// normals on noisy models of their kind.
+// Values for kinds of meshes.
 
 #include "proto/messages/presets.h"
 
 #include <array>
 #include <string>
 #include <utility>
+
+#include "proto/messages/flow_parameters.h"
 
 namespace fairway {
 namespace {
@@ -44,21 +45,20 @@ std::string_view name_of(Preset preset) {
 std::string_view description_of(Preset preset) {
   switch (preset) {
     case Preset::automatic:
-      return "Every choice is made from the noise that is found; safe for any mesh.";
+      return "Every choice is made from the noise and the surface that are found; safe for any "
+             "mesh.";
     case Preset::cad:
-      return "Parts with flat and curved faces between sharp edges: a low feature angle that "
-             "stays, "
-             "with a soft threshold, and a smoother curvature to aim at. Pays from about 0.2 mean "
-             "edge lengths of noise on.";
+      return "Parts with flat and curved faces between sharp edges: no low pass is tried, which "
+             "would round them.";
     case Preset::organic:
-      return "Bodies, faces, statues: keeps relief and creases without making flat patches and "
-             "edges of them; the volume may change by a percent.";
+      return "Bodies, faces, statues: no crease below 8 degrees is made, where noise would look "
+             "like one.";
     case Preset::scan:
-      return "Open surfaces with strong noise from a scanner: boundaries stay in place, and small "
-             "groups of bent edges count as noise, not as features.";
+      return "Surfaces from a scanner: the noise is taken for one that neighbours share, whether "
+             "it looks like that or not.";
     case Preset::gentle:
-      return "Five small steps whatever the noise: removes the finest of it and moves vertices by "
-             "a fraction of what an automatic run does.";
+      return "A quarter of the path whatever the noise: removes the finest of it and leaves more "
+             "than an automatic run does.";
   }
   return {};
 }
@@ -68,19 +68,13 @@ Json values_of(Preset preset) {
     case Preset::automatic:
       return Json::object();
     case Preset::cad:
-      return {{"method", "anisotropic_prescribed"},
-              {"feature_angle", 16},
-              {"transition", 2},
-              {"curvature_smoothing", {{"passes", 2}}}};
+      return {{"surface", "sharp"}};
     case Preset::organic:
-      return {{"method", "anisotropic"}, {"transition", 2}};
+      return {{"surface", "smooth"}};
     case Preset::scan:
-      return {{"method", "anisotropic"},
-              {"feature_angle", 30},
-              {"boundary", "fixed"},
-              {"guards", {{"min_component", 40}}}};
+      return {{"noise", "correlated"}};
     case Preset::gentle:
-      return {{"method", "anisotropic_prescribed"}, {"steps", 5}, {"step_size", 0.05}};
+      return {{"strength", 0.25}};
   }
   return Json::object();
 }
@@ -92,10 +86,7 @@ void fill_from_preset(Json& document) {
   for (const Named<Preset>& named : kNames) {
     if (name != named.name) continue;
     Json values = values_of(named.value);
-    if (document.contains("feature_angle") || document.contains("lambda")) {
-      values.erase("feature_angle");
-      values.erase("lambda");
-    }
+    if (states_flow(document)) drop_variational(values);
     return fill(document, values);
   }
 }

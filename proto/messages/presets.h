@@ -27,8 +27,8 @@ std::string_view description_of(Preset preset);
 Json values_of(Preset preset);
 
 /// Adds the values of the preset that a parameter document names to what the document states;
-/// objects are filled member by member. `feature_angle` and `lambda` are one choice: where either
-/// is stated, neither is added. Nothing, where no preset is named.
+/// objects are filled member by member. What only the variational method uses is left out where a
+/// flow is stated. Nothing, where no preset is named.
 void fill_from_preset(Json& document);
 
 }  // namespace fairway

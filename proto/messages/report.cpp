@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -16,10 +17,42 @@ constexpr std::size_t kMostNotes = 500;
 constexpr std::size_t kMostSteps = 1000;  // of all surfaces
 constexpr std::size_t kMostStepsOfSurface = 200;
 
+std::string_view name_of(FoundNoise noise) {
+  switch (noise) {
+    case FoundNoise::none:
+      return "none";
+    case FoundNoise::correlated:
+      return "correlated";
+    case FoundNoise::white:
+      break;
+  }
+  return "white";
+}
+
 /// (after − before) / |before|, null where that says nothing.
 Json relative_change(double before, double after) {
   if (before == 0.0 || !std::isfinite(after / before)) return nullptr;
   return (after - before) / std::abs(before);
+}
+
+Json step_document(const FlowStep& step) {
+  Json entry = {{"step", step.step},
+                {"feature_angle", step.feature_angle},
+                {"lambda", step.lambda},
+                {"displacement", step.displacement}};
+  if (step.mu > 0.0) {
+    entry["mu"] = step.mu;
+    entry["degrees_of_freedom"] = step.degrees_of_freedom;
+    entry["cross_validation"] = step.cross_validation;
+    entry["solver_iterations"] = step.solver_iterations;
+    return entry;
+  }
+  entry["step_size"] = step.step_size;
+  if (step.solver_iterations > 0) {
+    entry["solver_iterations"] = step.solver_iterations;
+    entry["solver_residual"] = step.solver_residual;
+  }
+  return entry;
 }
 
 /// The steps of a run as one entry each; longer runs than `most` are thinned evenly, last one kept.
@@ -28,37 +61,34 @@ Json steps_document(const std::vector<FlowStep>& steps, std::size_t most) {
   const std::size_t stride = steps.size() / most + 1;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (i % stride != 0 && i + 1 != steps.size()) continue;
-    const FlowStep& step = steps[i];
-    Json entry = {{"step", step.step},
-                  {"step_size", step.step_size},
-                  {"feature_angle", step.feature_angle},
-                  {"lambda", step.lambda},
-                  {"displacement", step.displacement}};
-    if (step.solver_iterations > 0) {
-      entry["solver_iterations"] = step.solver_iterations;
-      entry["solver_residual"] = step.solver_residual;
-    }
-    list.push_back(std::move(entry));
+    list.push_back(step_document(steps[i]));
   }
   return list;
 }
 
 Json flow_document(const FlowReport& flow, std::size_t most_steps) {
-  return {{"mean_edge_length", flow.mean_edge_length},
-          {"noise", flow.noise},
-          {"step_size", flow.step_size},
-          {"unfold_rounds", flow.unfold_rounds},
-          {"steps_done", flow.steps.size()},
-          {"halved_steps", flow.halved_steps},
-          {"feature_angle", flow.feature_angle},
-          {"lambda", flow.lambda},
-          {"rms_displacement", flow.rms_displacement},
-          {"max_displacement", flow.max_displacement},
-          {"volume_change", relative_change(flow.volume_before, flow.volume_after)},
-          {"area_change", relative_change(flow.area_before, flow.area_after)},
-          {"flipped_faces", flow.flipped_faces},
-          {"steps", steps_document(flow.steps, most_steps)},
-          {"notes", flow.notes}};
+  Json out = {{"mean_edge_length", flow.mean_edge_length},
+              {"noise", flow.noise},
+              {"step_size", flow.step_size},
+              {"unfold_rounds", flow.unfold_rounds},
+              {"steps_done", flow.steps.size()},
+              {"halved_steps", flow.halved_steps},
+              {"feature_angle", flow.feature_angle},
+              {"lambda", flow.lambda},
+              {"rms_displacement", flow.rms_displacement},
+              {"max_displacement", flow.max_displacement},
+              {"volume_change", relative_change(flow.volume_before, flow.volume_after)},
+              {"area_change", relative_change(flow.area_before, flow.area_after)},
+              {"flipped_faces", flow.flipped_faces},
+              {"steps", steps_document(flow.steps, most_steps)},
+              {"notes", flow.notes}};
+  if (flow.method == Method::variational) {
+    out["noise_kind"] = name_of(flow.noise_kind);
+    out["chosen_step"] = flow.chosen_step;
+    out["strength"] = flow.strength;
+    out["pass_band"] = flow.pass_band;
+  }
+  return out;
 }
 
 Json surface_document(const SurfaceReport& surface, std::size_t most_steps) {

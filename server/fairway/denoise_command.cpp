@@ -51,12 +51,26 @@ void draw_bar(const Progress& progress) {
   std::fflush(stderr);
 }
 
+std::string variational_summary(const FlowReport& flow) {
+  const std::string_view noise =
+      flow.noise_kind == FoundNoise::correlated ? "noise that neighbours share, " : "";
+  if (flow.pass_band > 0.0) {
+    return fmt::format("{}low pass {:.2f} beside {} steps", noise, flow.pass_band,
+                       flow.steps.size());
+  }
+  return fmt::format("{}step {} of {} chosen, strength {:.2f}", noise, flow.chosen_step,
+                     flow.steps.size(), flow.strength);
+}
+
 void print_report(const JobReport& report) {
   for (const SurfaceReport& surface : report.surfaces) {
     const FlowReport& flow = surface.flow;
     fmt::print("{}: {} vertices, {} faces, noise about {:.3f} mean edge lengths\n", surface.name,
                surface.vertices, surface.faces, flow.noise);
-    if (!flow.steps.empty()) {
+    if (flow.method == Method::variational && !flow.steps.empty()) {
+      fmt::print("  {}, moved {:.3f} mean edges (rms)\n", variational_summary(flow),
+                 flow.rms_displacement);
+    } else if (!flow.steps.empty()) {
       fmt::print(
           "  {} steps of {:.3g}, feature angle {:.1f} degrees, moved {:.3f} mean edges (rms)\n",
           flow.steps.size(), flow.step_size, flow.steps.back().feature_angle,

@@ -45,40 +45,48 @@ Result<Figure> part() {
   return figure_of(std::move(series), {"{}", R"({"preset": "cad"})", R"({"preset": "organic"})"});
 }
 
-Result<Figure> face() {
-  Series series("face", head(60), 0.2, kFace, Vec3::UnitY());
-  series.figure().caption = "A head of 36 002 vertices with noise of 0.2 L, by presets.";
-  Result<Figure> figure =
-      figure_of(std::move(series), {"{}", R"({"preset": "organic"})", R"({"preset": "gentle"})"});
-  if (!figure) return figure;
-  for (Panel& panel : figure->panels) panel.scale.most = kFaceMost;
-  return figure;
-}
-
 Result<Figure> method() {
   Series series("method", ring(124, 6), 0.2, {-0.2, 0.75, -0.8}, Vec3::UnitZ());
-  series.figure().caption = "A ring of 5 952 vertices with noise of 0.2 L, by each flow.";
+  series.figure().caption = "A ring of 5 952 vertices with noise of 0.2 L, by method.";
   return figure_of(std::move(series),
-                   {R"({"method": "anisotropic_prescribed"})", R"({"method": "anisotropic"})",
-                    R"({"method": "prescribed"})", R"({"method": "mean_curvature"})"});
+                   {R"({"method": "variational"})", R"({"method": "anisotropic_prescribed"})",
+                    R"({"method": "anisotropic"})", R"({"method": "mean_curvature"})"});
 }
 
 Result<Figure> feature_angle() {
   Series series("feature_angle", drilled_block(0.058), 0.2, kAbove, Vec3::UnitZ());
-  series.figure().caption = "The drilled block again, by its feature angle in degrees.";
-  return figure_of(std::move(series), {R"({"feature_angle": 5})", R"({"feature_angle": "auto"})",
-                                       R"({"feature_angle": 75})"});
+  series.figure().caption = "The drilled block again, by the flow's feature angle in degrees.";
+  return figure_of(std::move(series),
+                   {R"({"feature_angle": 5})", R"({"method": "anisotropic_prescribed"})",
+                    R"({"feature_angle": 75})"});
 }
 
-Result<Figure> steps() {
-  Series series("steps", head(60), 0.2, kFace, Vec3::UnitY());
-  series.figure().caption = "The head again, by its number of steps.";
-  Result<Figure> figure = figure_of(std::move(series), {R"({"preset": "organic", "steps": 3})",
-                                                        R"({"preset": "organic", "steps": "auto"})",
-                                                        R"({"preset": "organic", "steps": 300})"});
+/// The head by some parameter.
+Result<Figure> face_by(const char* name, const char* caption,
+                       std::initializer_list<const char*> documents) {
+  Series series(name, head(60), 0.2, kFace, Vec3::UnitY());
+  series.figure().caption = caption;
+  Result<Figure> figure = figure_of(std::move(series), documents);
   if (!figure) return figure;
   for (Panel& panel : figure->panels) panel.scale.most = kFaceMost;
   return figure;
+}
+
+Result<Figure> face() {
+  return face_by("face", "A head of 36 002 vertices with noise of 0.2 L, by presets.",
+                 {"{}", R"({"preset": "organic"})", R"({"preset": "gentle"})"});
+}
+
+Result<Figure> strength() {
+  return face_by("strength", "The head again, by strength.",
+                 {R"({"strength": 0.2})", R"({"strength": "auto"})", R"({"strength": 0.8})"});
+}
+
+Result<Figure> steps() {
+  return face_by(
+      "steps", "The head again, by the flow's number of steps.",
+      {R"({"method": "anisotropic", "steps": 3})", R"({"method": "anisotropic", "steps": "auto"})",
+       R"({"method": "anisotropic", "steps": 300})"});
 }
 
 /// How far the boundary vertices of a mesh lie from those of another with the same triangles, in
@@ -103,8 +111,8 @@ Result<Figure> boundary() {
   const IndexedMesh noisy = series.noisy();
   const IndexedMesh clean = series.clean();
   Result<Figure> figure =
-      figure_of(std::move(series),
-                {R"({"boundary": "free"})", R"({"boundary": "fixed"})", R"({"preset": "scan"})"});
+      figure_of(std::move(series), {R"({"boundary": "free"})", R"({"boundary": "fixed"})",
+                                    R"({"method": "anisotropic", "boundary": "fixed"})"});
   if (!figure) return figure;
   for (Panel& panel : figure->panels) {
     panel.note =
@@ -115,9 +123,10 @@ Result<Figure> boundary() {
 }
 
 constexpr std::array kChoices = {
-    Experiment{"part", part},     Experiment{"face", face},
-    Experiment{"method", method}, Experiment{"feature_angle", feature_angle},
-    Experiment{"steps", steps},   Experiment{"boundary", boundary}};
+    Experiment{"part", part},         Experiment{"face", face},
+    Experiment{"method", method},     Experiment{"feature_angle", feature_angle},
+    Experiment{"strength", strength}, Experiment{"steps", steps},
+    Experiment{"boundary", boundary}};
 
 }  // namespace
 

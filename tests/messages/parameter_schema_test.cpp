@@ -233,15 +233,13 @@ TEST_CASE("a preset gives the values that are not stated") {
     CHECK(resolved(dump_json(by_name)) == by_name);
     CHECK(std::string(description_of(preset)).ends_with("."));
   }
-  const Json cad =
-      resolved(R"({"preset":"cad","transition":5,"curvature_smoothing":{"fraction":0.5}})");
-  CHECK(cad["transition"] == 5);
-  CHECK(cad["feature_angle"] == values_of(Preset::cad)["feature_angle"]);
-  CHECK(cad["curvature_smoothing"] == Json{{"passes", 2}, {"fraction", 0.5}});
-  CHECK_FALSE(resolved(R"({"preset":"cad","lambda":0.25})").contains("feature_angle"));
-  CHECK(resolved(R"({"preset":"cad","feature_angle":"auto"})")["feature_angle"] == "auto");
-  CHECK(resolved(R"({"preset":"gentle","steps":"auto"})")["steps"] == "auto");
-  CHECK(resolved(R"({"preset":"scan"})")["boundary"] == "fixed");
+  CHECK(resolved(R"({"preset":"cad"})")["surface"] == "sharp");
+  CHECK(resolved(R"({"preset":"cad","surface":"smooth"})")["surface"] == "smooth");
+  CHECK(resolved(R"({"preset":"gentle","strength":"auto"})")["strength"] == "auto");
+  // A flow that is stated has no use for what a preset says of the variational method.
+  const Json flow = resolved(R"({"preset":"gentle","method":"anisotropic"})");
+  CHECK(flow["method"] == "anisotropic");
+  CHECK_FALSE(flow.contains("strength"));
 }
 
 TEST_CASE("an unknown preset, and a wrong value beside one, are refused with their pointers") {

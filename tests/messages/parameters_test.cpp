@@ -27,10 +27,13 @@ void check_refused(const std::string& text, ErrorCode code, const std::string& p
 
 }  // namespace
 
-TEST_CASE("nothing and {} mean the automatic anisotropic prescribed flow") {
+TEST_CASE("nothing and {} mean the automatic variational method") {
   for (const char* text : {"", "{}", R"({"steps":"auto","step_size":"auto","lambda":"auto"})"}) {
     const Parameters p = good(text);
-    CHECK(p.flow.method == Method::anisotropic_prescribed);
+    CHECK(p.flow.method == Method::variational);
+    CHECK_FALSE(p.flow.strength);
+    CHECK(p.flow.noise == NoiseKind::automatic);
+    CHECK(p.flow.surface == SurfaceKind::automatic);
     CHECK_FALSE(p.flow.steps);
     CHECK_FALSE(p.flow.step_size);
     CHECK_FALSE(p.flow.lambda);
@@ -43,6 +46,45 @@ TEST_CASE("nothing and {} mean the automatic anisotropic prescribed flow") {
     CHECK_FALSE(p.flow.find_features);
     CHECK_FALSE(p.output);
   }
+}
+
+TEST_CASE("a parameter of the flows means the paper's flow where no method is stated") {
+  for (const char* text :
+       {R"({"steps":3})", R"({"step_size":0.1})", R"({"feature_angle":30})", R"({"lambda":0.1})",
+        R"({"transition":8})", R"({"mass":"full"})", R"({"integration":"semi_implicit"})",
+        R"({"curvature_measure":"length"})", R"({"curvature_smoothing":{"passes":2}})",
+        R"({"conventions":"paper"})", R"({"guards":{"unfold":false}})",
+        R"({"preset":"cad","steps":3})", R"({"preset":"gentle","steps":3})"}) {
+    CAPTURE(text);
+    CHECK(good(text).flow.method == Method::anisotropic_prescribed);
+    CHECK_FALSE(good(text).flow.strength);
+  }
+  CHECK(good(R"({"boundary":"fixed"})").flow.method == Method::variational);
+  CHECK(good(R"({"features":true})").flow.method == Method::variational);
+}
+
+TEST_CASE("the variational method reads its own parameters, and thresholds for marked features") {
+  const Parameters p = good(R"({"strength":0.5,"noise":"correlated","surface":"smooth"})");
+  CHECK(p.flow.method == Method::variational);
+  CHECK(p.flow.strength == 0.5);
+  CHECK(p.flow.noise == NoiseKind::correlated);
+  CHECK(p.flow.surface == SurfaceKind::smooth);
+  CHECK(good(R"({"method":"variational","feature_angle":30})").flow.feature_angle == 30.0);
+  check_refused(R"({"strength":1.5})", ErrorCode::invalid_parameters, "/strength");
+  check_refused(R"({"noise":"pink"})", ErrorCode::invalid_parameters, "/noise");
+  check_refused(R"({"surface":3})", ErrorCode::invalid_parameters, "/surface");
+}
+
+TEST_CASE("parameters that the stated method has no use for are refused, and say whose they are") {
+  check_refused(R"({"method":"variational","steps":3})", ErrorCode::invalid_parameters, "/steps");
+  check_refused(R"({"method":"variational","guards":{}})", ErrorCode::invalid_parameters,
+                "/guards");
+  check_refused(R"({"method":"anisotropic","strength":0.5})", ErrorCode::invalid_parameters,
+                "/strength");
+  check_refused(R"({"steps":3,"noise":"white"})", ErrorCode::invalid_parameters, "/noise");
+  check_refused(R"({"method":"none","surface":"sharp"})", ErrorCode::invalid_parameters,
+                "/surface");
+  CHECK(good(R"({"method":"variational","steps":"auto"})").flow.method == Method::variational);
 }
 
 TEST_CASE("every parameter is read") {

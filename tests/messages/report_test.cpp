@@ -26,7 +26,8 @@ SurfaceReport longest(std::size_t steps) {
   FlowReport flow;
   constexpr double kLong = -1.2345678901234567e-300;
   for (std::size_t i = 0; i < steps; ++i) {
-    flow.steps.push_back({1'000'000, 1'000'000, kLong, kLong, kLong, kLong, 7000, kLong});
+    flow.steps.push_back(
+        {1'000'000, 1'000'000, kLong, kLong, kLong, kLong, 7000, kLong, 1e300, kLong, kLong});
   }
   flow.noise = flow.mean_edge_length = flow.step_size = flow.lambda = flow.feature_angle = kLong;
   flow.rms_displacement = flow.max_displacement = kLong;
@@ -73,6 +74,7 @@ TEST_CASE("a long run is thinned to an even choice of its steps, the last one ke
 
 TEST_CASE("the report tells what a flow found, chose and did") {
   FlowOptions options;
+  options.method = Method::anisotropic_prescribed;
   options.steps = 3;
   const Json flow = report_of(options);
   INFO(flow.dump());
@@ -103,8 +105,30 @@ TEST_CASE("the report tells what a flow found, chose and did") {
   CHECK(flow["lambda"] == flow["steps"][2]["lambda"]);
 }
 
+TEST_CASE("the report tells the path of the variational method and what was chosen on it") {
+  const Json flow = report_of({});
+  INFO(flow.dump());
+  CHECK(flow["noise"].get<double>() == Approx(0.2).epsilon(0.2));
+  CHECK(flow["noise_kind"] == "white");
+  const auto chosen = flow["chosen_step"].get<std::size_t>();
+  REQUIRE(chosen >= 1);
+  REQUIRE(flow["steps"].size() >= chosen);
+  CHECK(flow["strength"].get<double>() == Approx(static_cast<double>(chosen) / 24.0));
+  CHECK(flow["pass_band"] == 0.0);
+  const double least = flow["steps"][chosen - 1]["cross_validation"];
+  for (const Json& step : flow["steps"]) {
+    CHECK(step["mu"].get<double>() > 0.0);
+    CHECK(step["lambda"].get<double>() > 0.0);
+    CHECK(step["degrees_of_freedom"].get<double>() > 0.0);
+    CHECK(step["cross_validation"].get<double>() >= least);
+    CHECK(step["solver_iterations"].get<int>() > 0);
+    CHECK_FALSE(step.contains("step_size"));
+  }
+}
+
 TEST_CASE("the report of a semi-implicit flow tells how each system was solved") {
   FlowOptions options;
+  options.method = Method::anisotropic_prescribed;
   options.steps = 2;
   options.integration = Integration::semi_implicit;
   const Json flow = report_of(options);

@@ -52,7 +52,7 @@ TEST_CASE("the table says what the document says, in lines for people") {
   CHECK(run.exit_code == 0);
   for (const char* part :
        {"ply, ", "components 1, boundary loops 1", "edge length   mean", "noise         about 0.",
-        "a default run: 100 steps", "- mesh: it is open"}) {
+        "a default run: 24 steps", "- mesh: it is open"}) {
     INFO(part << " in " << run.output);
     CHECK(run.output.find(part) != std::string::npos);
   }

@@ -18,6 +18,10 @@ export interface FlowReport {
   noise: number;
   step_size: number;
   steps_done: number;
+  noise_kind?: 'none' | 'white' | 'correlated';
+  chosen_step?: number;
+  strength?: number;
+  pass_band?: number;
   feature_angle: number;
   rms_displacement: number;
   max_displacement: number;

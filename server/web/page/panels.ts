@@ -96,7 +96,7 @@ export function chosenOf(parameters: Record<string, unknown>): Record<string, un
   const chosen: Record<string, unknown> = {};
   if (parameters.preset !== 'auto') chosen.preset = parameters.preset;
   if (parameters.method === 'none') chosen.method = 'none';
-  for (const name of ['steps', 'feature_angle']) if (parameters[name] !== 'auto' && parameters[name] !== undefined) chosen[name] = parameters[name];
+  for (const name of ['strength', 'steps', 'feature_angle']) if (parameters[name] !== 'auto' && parameters[name] !== undefined) chosen[name] = parameters[name];
   return chosen;
 }
 

@@ -8,7 +8,7 @@ import { h } from './dom';
 const kOwn = new Set(['preset', 'curvature', 'features', 'output', 'compression', 'draco']);
 
 const kGroups: [string, string[]][] = [
-  ['Flow', ['method', 'integration', 'steps', 'step_size']],
+  ['Method', ['method', 'strength', 'noise', 'surface', 'integration', 'steps', 'step_size']],
   ['Features', ['feature_angle', 'lambda', 'transition', 'guards']],
   ['Curvature', ['curvature_smoothing', 'curvature_measure', 'curvature_space', 'colors']],
   ['What may move', ['boundary', 'fixed_vertices', 'meshes', 'nodes', 'weld']],

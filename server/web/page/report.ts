@@ -1,6 +1,6 @@
 // What a run found and did, in words.
 
-import type { Inspection, Job, SurfaceReport } from './api';
+import type { FlowReport, Inspection, Job, SurfaceReport } from './api';
 import { count, plural, short } from './dom';
 
 const percent = (share: number): string => {
@@ -9,15 +9,23 @@ const percent = (share: number): string => {
   return `${value > 0 ? '+' : '−'}${Math.abs(value).toFixed(2)} %`;
 };
 
-/// `chosen`: a person said how many steps, so whether the noise is gone is for him to judge.
+/// By what the noise was removed.
+function wayOf(flow: FlowReport): string {
+  if (flow.pass_band) return `by a low pass (band ${short(flow.pass_band)})`;
+  if (flow.chosen_step) return `at strength ${short(flow.strength ?? 0)} (step ${flow.chosen_step} of its path)`;
+  return `in ${plural(flow.steps_done, 'step')}`;
+}
+
+/// `chosen`: a person said how many steps or how strongly, so whether the noise is gone is for him to judge.
 function sentenceOf(surface: SurfaceReport, chosen: boolean): string {
   const flow = surface.flow;
   const parts: string[] = [];
   if (flow.steps_done === 0) {
     parts.push(flow.noise > 0.001 ? `noise about ${short(flow.noise)} edge lengths; nothing was moved` : 'no noise found; left as it is');
   } else {
+    const kind = flow.noise_kind === 'correlated' ? ' that neighbours share' : '';
     parts.push(
-      `noise about ${short(flow.noise)} edge lengths, ${chosen ? 'treated' : 'removed'} in ${plural(flow.steps_done, 'step')}`,
+      `noise${kind} about ${short(flow.noise)} edge lengths, ${chosen ? 'treated' : 'removed'} ${wayOf(flow)}`,
       `vertices moved by ${short(flow.rms_displacement)} edge lengths on average, ${short(flow.max_displacement)} at most`,
     );
     if (surface.boundary_loops === 0 && flow.volume_change !== null) parts.push(`volume ${percent(flow.volume_change)}`);
@@ -34,7 +42,7 @@ export function reportLines(job: Job, features: number): { text: string; note?: 
   const named = report.surfaces.length > 1;
   const lines: { text: string; note?: boolean }[] = [];
   for (const surface of report.surfaces.slice(0, 12)) {
-    const sentence = sentenceOf(surface, job.parameters.steps !== 'auto');
+    const sentence = sentenceOf(surface, (job.parameters.steps ?? job.parameters.strength) !== 'auto');
     lines.push({ text: named ? `${surface.name}: ${sentence}` : sentence[0]!.toUpperCase() + sentence.slice(1) });
     for (const note of surface.flow.notes) lines.push({ text: named ? `${surface.name}: ${note}` : note, note: true });
   }

@@ -62,7 +62,7 @@ TEST_CASE("an inspection answers its document and leaves no job, no blob and no 
   CHECK(document["surfaces"][0]["genus"] == 1);
   CHECK(document["surfaces"][0]["noise"].get<double>() == Approx(0.2).margin(0.05));
   CHECK(document["surfaces"][0]["clean"] == false);
-  CHECK(document["estimate"]["steps"] == 100);
+  CHECK(document["estimate"]["steps"] == 24);
   CHECK(jobs(client) == 0);
   wait_until([&] { return nothing_is_left(directory.path()); });
 }
