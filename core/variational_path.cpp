@@ -30,7 +30,7 @@ constexpr double kLeastData = 1e-9;
 constexpr double kSmallestArea = 1e-12;
 
 int averaging_passes(double mu) {
-  return static_cast<int>(std::clamp(std::round(5.0 * std::pow(mu, 0.3)), 2.0, 60.0));
+  return static_cast<int>(std::clamp(std::round(5.0 * std::pow(mu, 0.3)), 2.0, 30.0));
 }
 
 float norm3(const Four& a) {

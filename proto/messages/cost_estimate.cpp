@@ -1,13 +1,12 @@
 // What a run costs, from measured constants.
 // Source: processor time (user) and peak resident memory of `fairway denoise FILE OUT` in the
-// format of FILE, tori of 130 050 and 999 698 vertices with noise of 0.2 mean edges (`fairway
-// sample torus
-// --size 255` and `707`), with "steps" 0, 10 and 100; one thread, AVX-512, median of three.
+// format of FILE, tori with noise of 0.2 mean edges (`fairway sample torus --size 132`, `255` and
+// `707`), whose path goes to its end; one thread. A path that ends sooner takes half of it.
 //
-//   130 050 vertices   glb    drc    ply    obj    stl      999 698 vertices   glb
-//   10 steps, s        0.11   0.30   0.14   0.14   0.12                        1.60
-//   100 steps, s       0.44   0.49   0.37   0.50   0.49                        4.86
-//   peak, MB           72     97     79     87     81                          654
+//               34 848 glb    130 050 glb    drc    ply    obj    stl    999 698 glb
+//   default, s        1.12           6.00   5.15   5.33   6.15   5.96          47.82
+//   peak, MB            81            280    283    279    301    288           2090
+//   10 steps of a flow, s            0.11   0.21   0.13   0.13   0.11           1.05
 
 #include "proto/messages/cost_estimate.h"
 
@@ -17,15 +16,15 @@ namespace fairway {
 namespace {
 
 constexpr double kStartSeconds = 0.005;
-/// (100 steps − 10 steps) / 90: 28 at 130 thousand vertices, 36 at a million.
-constexpr double kNanosecondsPerVertexStep = 35.0;
+/// Of the path's 24 steps: 1.3 µs at 35 thousand vertices, 1.9 at a million.
+constexpr double kNanosecondsPerVertexStep = 1800.0;
 constexpr double kStartBytes = 12e6;
-/// 600 bytes a vertex of a mesh with two triangles for each.
-constexpr double kBytesPerVertex = 260.0;
-constexpr double kBytesPerTriangle = 170.0;
+/// 2100 bytes a vertex of a mesh with two triangles for each.
+constexpr double kBytesPerVertex = 900.0;
+constexpr double kBytesPerTriangle = 600.0;
 
-/// Decode, topology, curvature and encode: 10 steps less ten times the above, and a quarter of that
-/// for caches that a million vertices do not fit in.
+/// Decode, topology, curvature and encode: ten steps of a flow less ten times what they take, and a
+/// quarter of that for caches that a million vertices do not fit in.
 double nanoseconds_per_vertex(Format format) {
   switch (format) {
     case Format::drc:

@@ -127,18 +127,20 @@ TEST_CASE("the estimate grows with size and steps, and a clean surface takes no 
 TEST_CASE("the estimate agrees with what was measured within a factor of two") {
   const auto cost = [](Format format, std::uint64_t bytes, std::size_t vertices) {
     return estimate_cost(
-        {format, bytes, vertices, 2 * vertices, 100.0 * static_cast<double>(vertices), 100});
+        {format, bytes, vertices, 2 * vertices, 24.0 * static_cast<double>(vertices), 24});
   };
   const auto within_two = [](double estimated, double measured) {
     return estimated < 2.0 * measured && measured < 2.0 * estimated;
   };
-  CHECK(within_two(cost(Format::glb, 4'682'464, 130'050).seconds, 0.44));
-  CHECK(within_two(cost(Format::drc, 3'525'030, 130'050).seconds, 0.49));
-  CHECK(within_two(cost(Format::stl, 13'005'084, 130'050).seconds, 0.49));
-  CHECK(within_two(cost(Format::glb, 35'989'800, 999'698).seconds, 4.86));
-  CHECK(within_two(static_cast<double>(cost(Format::glb, 4'682'464, 130'050).memory_bytes), 72e6));
+  CHECK(within_two(cost(Format::glb, 837'012, 34'848).seconds, 1.12));
+  CHECK(within_two(cost(Format::glb, 4'682'464, 130'050).seconds, 6.00));
+  CHECK(within_two(cost(Format::drc, 3'525'030, 130'050).seconds, 5.15));
+  CHECK(within_two(cost(Format::stl, 13'005'084, 130'050).seconds, 5.96));
+  CHECK(within_two(cost(Format::glb, 35'989'800, 999'698).seconds, 47.8));
+  CHECK(within_two(static_cast<double>(cost(Format::glb, 837'012, 34'848).memory_bytes), 81e6));
+  CHECK(within_two(static_cast<double>(cost(Format::glb, 4'682'464, 130'050).memory_bytes), 280e6));
   CHECK(
-      within_two(static_cast<double>(cost(Format::glb, 35'989'800, 999'698).memory_bytes), 654e6));
+      within_two(static_cast<double>(cost(Format::glb, 35'989'800, 999'698).memory_bytes), 2090e6));
 }
 
 TEST_CASE("a document of thousands of surfaces and warnings fits in a worker's line") {
