@@ -187,8 +187,8 @@ TEST_CASE("the guide sizes as inspections do") {
   million.bytes = 36'000'000;
   million.vertices = 1'000'000;
   million.triangles = 2'000'000;
-  million.steps = 100;
-  million.vertex_steps = 100e6;
+  million.steps = 24;
+  million.vertex_steps = 24e6;
   const CostEstimate cost = estimate_cost(million);
   const std::string said =
       fmt::format("a GLB of a million vertices takes at most {:.1f} s and {:.2f} GB", cost.seconds,

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <string>
+#include <system_error>
+#include <thread>
 
 #include <stdlib.h>
 
@@ -16,7 +19,16 @@ class TemporaryDirectory {
   }
   TemporaryDirectory(const TemporaryDirectory&) = delete;
   TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-  ~TemporaryDirectory() { std::filesystem::remove_all(path_); }
+  /// A worker that is being killed may still put a file in: then it is tried again.
+  ~TemporaryDirectory() {
+    std::error_code failed;
+    for (int attempt = 0; attempt < 100; ++attempt) {
+      std::filesystem::remove_all(path_, failed);
+      if (!failed) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    std::filesystem::remove_all(path_);
+  }
 
   const std::filesystem::path& path() const { return path_; }
 
