@@ -2,6 +2,7 @@
 
 #include "core/variational.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -36,6 +37,15 @@ constexpr double kSmooth = 0.25;
 // Below this much noise, what neighbours have in common is detail.
 constexpr double kLittleNoise = 0.05;
 constexpr double kDetailCorrelation = 0.2;
+// With more of it only where they have most in common.
+constexpr double kCoarseDetailCorrelation = 0.3;
+// Noise of σ bends an edge by less than this times σ once in forty times; clean parts have many
+// such.
+constexpr double kFlat = 0.05;
+constexpr double kManyFlat = 0.25;
+// So have impulses, which leave most vertices alone: few of them have all of the noise, everywhere.
+constexpr double kImpulseEvenness = 0.45;
+constexpr double kImpulseUnevenness = 0.35;
 constexpr double kNoiseCorrelation = 0.13;
 constexpr double kScannerCorrelation = 0.03;
 constexpr double kLeastEvenness = 0.55;
@@ -111,6 +121,8 @@ class Run {
   void restart(NoiseModel noise);
   Result<bool> step(const std::stop_token& stop);
   Result<FoundNoise> find_kind(const std::stop_token& stop);
+  bool is_detail(double correlation) const;
+  double share_of_flat_edges(double bend) const;
   Result<double> look_twice(const std::stop_token& stop);
   Result<bool> find_colour(int updates, const std::stop_token& stop);
   Result<bool> walk(const std::stop_token& stop);
@@ -212,6 +224,32 @@ Result<bool> Run::find_colour(int updates, const std::stop_token& stop) {
   return true;
 }
 
+/// Whether what was taken for noise is the shape: neighbours have much of it in common, or edges
+/// are flat that noise would have bent.
+bool Run::is_detail(double correlation) const {
+  const double sigma = path_.noise().sigma;
+  if (correlation > (sigma < kLittleNoise ? kDetailCorrelation : kCoarseDetailCorrelation)) {
+    return true;
+  }
+  const bool impulses = evenness_ < kImpulseEvenness && unevenness_ > kImpulseUnevenness &&
+                        unevenness_ < kUneven && correlation < kNoiseCorrelation;
+  return !impulses && share_of_flat_edges(kFlat * sigma) > kManyFlat;
+}
+
+/// Share of the stencils whose bend at the start is less, radians.
+double Run::share_of_flat_edges(double bend) const {
+  const auto normal = [this](Index face) {
+    const Triangle& f = stencils_.faces()[face];
+    const Vec3 n = (positions_[f[1]] - positions_[f[0]]).cross(positions_[f[2]] - positions_[f[0]]);
+    return Vec3(n.normalized());
+  };
+  std::size_t flat = 0;
+  for (const EdgeStencil& s : stencils_.stencils()) {
+    if ((normal(s.faces[0]) - normal(s.faces[1])).norm() < bend) ++flat;
+  }
+  return static_cast<double>(flat) / static_cast<double>(stencils_.stencils().size());
+}
+
 /// What the noise is; leaves a path for noise of that kind, begun or at its start.
 Result<FoundNoise> Run::find_kind(const std::stop_token& stop) {
   restart(analysis_.white());
@@ -221,9 +259,7 @@ Result<FoundNoise> Run::find_kind(const std::stop_token& stop) {
   }
   Result<double> correlation = look_twice(stop);
   if (!correlation) return correlation.error();
-  const double sigma = path_.noise().sigma;
-  if (sigma<kLittleNoise&& * correlation> kDetailCorrelation && !options_.strength &&
-      options_.noise != NoiseKind::correlated) {
+  if (!options_.strength && options_.noise != NoiseKind::correlated && is_detail(*correlation)) {
     return FoundNoise::none;
   }
   if (options_.noise == NoiseKind::white) return FoundNoise::white;

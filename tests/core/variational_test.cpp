@@ -216,8 +216,9 @@ TEST_CASE("noise that is stronger in one place than in another is removed from b
 TEST_CASE("a surface without noise comes back as it was, however it is shaped") {
   IndexedMesh two = ring(93, 2);
   append(two, sphere(4, 0.5), Vec3(4.0, 0.0, 0.0));
-  for (const IndexedMesh& clean : {octahedron(16), ring(186, 4), sphere(5, 1.0), sheet(20),
-                                   torus(60, 24, 2.0, 0.7), saddle(24, 0.2, 1), two}) {
+  for (const IndexedMesh& clean :
+       {octahedron(2), octahedron(16), ring(12, 1), ring(186, 4), sphere(1, 1.0), sphere(5, 1.0),
+        sheet(20), torus(60, 24, 2.0, 0.7), saddle(24, 0.2, 1), pierced_block(2), two}) {
     const TriangleMesh mesh = built(clean);
     const VariationalResult result = run(mesh);
     CHECK(result.report.kind == FoundNoise::none);

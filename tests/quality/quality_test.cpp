@@ -34,7 +34,13 @@ struct Bound {
 
 TEST_CASE("the default run stays below its error on every generated model and noise") {
   const auto bound =
-      GENERATE(Bound{"made_octahedron", "n0.1", 0.2}, Bound{"made_octahedron", "n0.3", 0.5});
+      GENERATE(Bound{"made_octahedron", "n0.1", 0.12}, Bound{"made_octahedron", "n0.3", 0.35},
+               Bound{"made_octahedron", "r0.2", 0.3}, Bound{"made_octahedron", "s0.2", 0.35},
+               Bound{"made_ring", "n0.1", 0.3}, Bound{"made_ring", "n0.3", 0.65},
+               Bound{"made_ring", "s0.2", 0.7}, Bound{"made_torus", "n0.1", 0.4},
+               Bound{"made_torus", "n0.3", 0.9}, Bound{"made_hills", "n0.1", 2.4},
+               Bound{"made_hills", "n0.3", 5.2}, Bound{"made_sheet", "n0.1", 0.25},
+               Bound{"made_sheet", "n0.3", 0.55}, Bound{"made_sheet", "i0.5", 1.8});
   CAPTURE(bound.model, bound.noise);
   const Comparison result = after_default_run(bound.model, bound.noise);
   CHECK(result.normal_error < bound.degrees);
