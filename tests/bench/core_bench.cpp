@@ -70,6 +70,7 @@ class Bench {
     if (wanted("implicit_step")) {
       report_.line(named("implicit_step"), implicit_step(mesh_, mean_edge_, execution(), runs()));
     }
+    variational();
     compare("curvature", [this] { (void)curvature(mesh_, mesh_.positions(), execution()); }, {});
     compare("reorder+10amc",
             [this] {
@@ -89,6 +90,20 @@ class Bench {
   void compare(const std::string& name, const std::function<void()>& ours,
                const std::function<void()>& baseline) const {
     if (wanted(name)) report_.line(named(name), in_turn(runs(), ours, baseline));
+  }
+
+  /// A default run, beside the 3000 steps of the AMC kernel that it is to take no longer than.
+  void variational() const {
+    if (!wanted("variational")) return;
+    const std::function<void()> kernel_steps = [this] {
+      const std::unique_ptr<PackedFlow> run = flow(Method::anisotropic);
+      for (int i = 0; i < kStepsOfDefaultRun; ++i) default_step(*run);
+    };
+    const bool large = mesh_.vertex_count() > kLarge;
+    report_.line(named("variational"),
+                 in_turn(
+                     large ? 1 : 2, [this] { (void)denoise(mesh_, {}, {}, {}, execution()); },
+                     large ? std::function<void()>() : kernel_steps));
   }
 
   Execution execution() const {
@@ -171,6 +186,7 @@ class Bench {
     report_.line(c, {mean(ours), mean(theirs)});
   }
 
+  static constexpr int kStepsOfDefaultRun = 3000;
   static constexpr std::size_t kLarge = 200'000;
   static constexpr std::size_t kPlainSteps = 4;
   static constexpr std::size_t kManySteps = 500;
