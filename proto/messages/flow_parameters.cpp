@@ -122,8 +122,8 @@ std::optional<Error> refuse_foreign(const Json& document) {
     if (key == nullptr) return std::nullopt;
     return Error{ErrorCode::invalid_parameters,
                  std::string(key) +
-                     " belongs to the variational method; leave it out, or leave "
-                     "out \"method\" and what belongs to the flows.",
+                     " belongs to the variational method; leave it out, or leave out the flow "
+                     "and what belongs to flows.",
                  std::string("/") + key};
   }
   const char* key = first_of(kFlowKeys, document);

@@ -153,6 +153,53 @@ TEST_CASE("vertices that are held stay bit for bit, and their neighbours do not 
   CHECK(largest_distance(result.positions, mesh.positions()) < mesh.mean_edge_length());
 }
 
+TEST_CASE("what is held is a condition of the minimum, not put back afterwards") {
+  IndexedMesh lifted = sheet(30);
+  const TriangleMesh flat = built(lifted);
+  const double edge = flat.mean_edge_length();
+  lifted = with_normal_noise(lifted, 0.1, 2);
+  for (std::size_t v = 0; v < lifted.positions.size(); ++v) {
+    if (lifted.positions[v].head<2>().cwiseAbs().maxCoeff() > 0.99) {
+      lifted.positions[v].z() += 0.5 * edge;
+    }
+  }
+  const TriangleMesh mesh = built(lifted);
+  const auto height_beside = [&](const VariationalResult& result) {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+      if (mesh.boundary_vertex()[v]) continue;
+      for (const Index w : mesh.rings()[v]) {
+        if (!mesh.boundary_vertex()[w]) continue;
+        sum += result.positions[v].z() + mesh.origin().z();
+        ++count;
+      }
+    }
+    return sum / count / edge;
+  };
+  const std::vector<unsigned char> held(mesh.boundary_vertex().begin(),
+                                        mesh.boundary_vertex().end());
+  VariationalOptions options;
+  options.strength = 0.6;
+  CAPTURE(height_beside(run(mesh, held, options)), height_beside(run(mesh, {}, options)));
+  CHECK(std::abs(height_beside(run(mesh, held, options)) - height_beside(run(mesh, {}, options))) >
+        0.02);
+}
+
+TEST_CASE("the least cross-validation is chosen where it lies in the middle of the path, too") {
+  IndexedMesh hills = sphere(5, 1.0);
+  for (Vec3& p : hills.positions) {
+    p *= 1.0 + 0.1 * std::sin(5.0 * p.x()) * std::cos(4.0 * p.y()) + 0.03 * std::sin(21.0 * p.z());
+  }
+  VariationalOptions options;
+  options.surface = SurfaceKind::sharp;
+  const VariationalReport report = run(built(with_normal_noise(hills, 0.1, 1)), {}, options).report;
+  REQUIRE(report.chosen >= 1);
+  const double least = report.path[static_cast<std::size_t>(report.chosen) - 1].gcv;
+  CHECK(report.chosen < static_cast<int>(report.path.size()));
+  for (const VariationalStep& step : report.path) CHECK(step.gcv >= least);
+}
+
 TEST_CASE("the variational method takes any surface that can be built") {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const auto mesh = TriangleMesh::build(random_mesh(seed).mesh);
