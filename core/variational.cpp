@@ -390,7 +390,8 @@ VariationalReport find_variational_noise(const TriangleMesh& mesh, unsigned thre
   Run run(mesh, held, options, {});
   VariationalReport report;
   const Result<FoundNoise> kind = run.look({});
-  report.kind = kind ? *kind : FoundNoise::none;
+  // Where the look itself diverges the run will say so: such a surface is not clean.
+  report.kind = kind ? *kind : FoundNoise::white;
   report.noise = run.sigma();
   return report;
 }

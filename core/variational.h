@@ -55,16 +55,19 @@ struct VariationalResult {
 
 /// Removes noise by an annealed minimisation that keeps close to the input, makes weighted edges as
 /// bent as a smoothed shape operator prescribes, and stops where cross-validation with a random
-/// probe is least. Finds all of its numbers from the mesh. `held`: 1 per surface vertex that does
-/// not move. Deterministic: fixed seeds, fixed order. Source: the paper's edge curvature and weight
-/// w_{λ,r}, on what the prescribed curvature does not explain. Errors: canceled (looked at between
-/// iterates), diverged (a position is not finite).
+/// probe is least, or at the `strength` of the options; without that a low pass may be the answer
+/// instead, and a surface without noise comes back as it was. Folded faces are mended last. Finds
+/// all of its numbers from the mesh. `held`: 1 per surface vertex that does not move. `observer` is
+/// told every iterate; a path that begins anew, for another kind of noise, counts from 1 again.
+/// Deterministic: fixed seeds, the same bits at any number of threads. Source: core/EQUATIONS.md,
+/// "Variational method"; edge curvature and weight w_{λ,r} are the paper's. Errors: canceled
+/// (looked at between iterates), diverged (a position is not finite).
 Result<VariationalResult> denoise_variational(
     const TriangleMesh& mesh, std::span<const unsigned char> held,
     const VariationalOptions& options = {},
     const std::function<void(const VariationalStep&)>& observer = {}, std::stop_token stop = {});
 
-/// Looks for noise and moves nothing.
+/// Looks for noise and moves nothing: `noise` and `kind` of the report of a default run.
 VariationalReport find_variational_noise(const TriangleMesh& mesh, unsigned threads = 1);
 
 }  // namespace fairway
